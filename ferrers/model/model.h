@@ -1,0 +1,218 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "ferrers/core/ids.h"
+#include "ferrers/math/rotation.h"
+#include "ferrers/model/law.h"
+#include "ferrers/model/spec.h"
+
+namespace ferrers {
+
+using Vector3d = Eigen::Vector3d;
+using Matrix3d = Eigen::Matrix3d;
+using Vector6d = Eigen::Matrix<double, 6, 1>;
+
+/// A rigid body. Its frame is the world frame of the drawing, or the frame that its `pose` gives.
+struct Body {
+  std::string name;
+  bool has_mass = false;                          ///< False: no mass was given (good for `analyze` only).
+  double mass_kg = 0;
+  Vector3d com_m = Vector3d::Zero();              ///< In the body frame.
+  Matrix3d inertia_kgm2 = Matrix3d::Zero();       ///< About the mass centre, body axes.
+  Pose X_WB;                                      ///< Pose as drawn.
+};
+
+/// Numbers that only some joint types use.
+struct JointConstants {
+  double lead_m = 0;       ///< kScrew: advance per turn.
+  double length_m = 0;     ///< kDistance.
+  /// kGearMesh: signed base radii about z of the centres (which are the origins of F and M), and whether the mesh
+  /// follows the line of centres; if not, `mesh_holds_as_drawn_only`.
+  double base_radius_1_m = 0, base_radius_2_m = 0;
+  double mesh_side = 1;    ///< kGearMesh: sign of (line of action)·(line of centres).
+  double mesh_offset_m = 0;///< kGearMesh: makes the residual zero as drawn.
+  bool mesh_holds_as_drawn_only = false;
+  Vector3d pitch_point_F_m = Vector3d::Zero();
+  Vector3d line_of_action_F = Vector3d::UnitX();
+};
+
+struct Friction {
+  double viscous = 0, coulomb = 0, radius_m = 0;
+};
+
+/// A joint: frame F on its first body and frame M on its second coincide when every coordinate is zero
+/// (for `distance` and `gear_mesh`, F and M sit at the two points or centres).
+struct Joint {
+  std::string name;
+  JointType type = JointType::kRevolute;
+  BodyId first, second;
+  Pose X_1F;  ///< In the first body's frame.
+  Pose X_2M;  ///< In the second body's frame.
+  JointConstants constants;
+  std::optional<Vector6d> stiffness;     ///< Force (3) then moment (3) in F axes; entries may be infinity (rigid).
+  std::optional<Vector6d> misalignment;  ///< Translation (3) then rotation (3) in F axes.
+  std::optional<std::array<double, 2>> limits;
+  std::optional<Friction> friction;
+  bool drawn = true;  ///< False: given on each body by itself, so a loop need not close as drawn.
+};
+
+/// One coordinate of one joint: `index` counts the joint type's coordinates (joint_type.h).
+struct JointCoordinate {
+  JointId joint;
+  int index = 0;
+  auto operator<=>(const JointCoordinate&) const = default;
+};
+
+struct Coupling {
+  std::string name;
+  std::vector<JointCoordinate> coordinates;
+  std::vector<double> coefficients;  ///< Σ c q = 0.
+};
+
+/// The value an expression reads: time, or a joint coordinate's position or velocity.
+struct LawInput {
+  enum class Kind { kTime, kPosition, kVelocity };
+  Kind kind = Kind::kTime;
+  JointCoordinate coordinate;
+};
+
+struct Spring {
+  BodyId first, second;
+  Vector3d point_1_m, point_2_m;  ///< In the bodies' frames.
+  double stiffness = 0, damping = 0, free_length_m = 0;
+};
+struct TorsionSpring {
+  JointCoordinate coordinate;
+  double stiffness = 0, damping = 0, free_angle = 0;
+};
+struct JointDamping {
+  JointCoordinate coordinate;
+  double damping = 0;
+};
+struct Bushing {
+  BodyId first, second;
+  Pose X_1F, X_2M;
+  Vector6d stiffness, damping;  ///< Force (3) then moment (3), F axes.
+};
+struct Load {
+  BodyId body;
+  bool is_torque = false;
+  Vector3d point_m = Vector3d::Zero();  ///< In the body's frame.
+  std::array<Law, 3> components;
+  bool in_body_axes = false;
+};
+struct ForceElement {
+  std::string name;
+  std::variant<Spring, TorsionSpring, JointDamping, Bushing, Load> element;
+};
+
+/// A drive on a joint coordinate, on the distance of two points, or on a recorded point (three components, world axes).
+struct Drive {
+  enum class Kind { kCoordinate, kDistance, kPoint };
+  std::string name;
+  Kind kind = Kind::kCoordinate;
+  JointCoordinate coordinate;      ///< kCoordinate.
+  BodyId first, second;            ///< kDistance; kPoint: `second` carries the point.
+  Vector3d point_1_m = Vector3d::Zero(), point_2_m = Vector3d::Zero();
+  std::vector<Law> motion;         ///< Empty, 1, or 3 for kPoint.
+  std::vector<Law> effort;
+  int components() const { return kind == Kind::kPoint ? 3 : 1; }
+};
+
+struct InitialValue {
+  JointCoordinate coordinate;
+  bool whole_joint = false;             ///< Values for all of the joint's coordinates.
+  std::vector<double> position, velocity;
+  bool guess = false;
+  SourceRange at;
+};
+
+struct RecordedPoint {
+  std::string name;
+  BodyId body;
+  Vector3d point_m = Vector3d::Zero();  ///< In the body's frame.
+};
+
+struct Event {
+  std::string name;
+  EventSpec::Action action = EventSpec::Action::kStop;
+  Law when;
+  DriveId drive;
+};
+
+struct Parameter {
+  std::string name;
+  double value = 0;
+  std::optional<double> min, max, tolerance;
+  std::optional<Dimension> dimension;
+  std::string doc;
+};
+
+struct ModelBuildResult;
+
+/// A mechanism, checked and with every number computed. Const after it is built; holds no state.
+///
+/// It keeps the specification it was built from, so that `with_parameters` can make another.
+class Model {
+ public:
+  const std::string& name() const { return name_; }
+  const Vector3d& gravity() const { return gravity_; }
+  const std::vector<Body>& bodies() const { return bodies_; }  ///< [0] is ground.
+  const std::vector<Joint>& joints() const { return joints_; }
+  const std::vector<Coupling>& couplings() const { return couplings_; }
+  const std::vector<ForceElement>& forces() const { return forces_; }
+  const std::vector<Drive>& drives() const { return drives_; }
+  const std::vector<InitialValue>& initial() const { return initial_; }
+  const std::vector<RecordedPoint>& records() const { return records_; }
+  const std::vector<Event>& events() const { return events_; }
+  const std::vector<Parameter>& parameters() const { return parameters_; }
+  const ModelSpec& spec() const { return *spec_; }
+
+  const Body& body(BodyId id) const { return bodies_.at(id.index()); }
+  const Joint& joint(JointId id) const { return joints_.at(id.index()); }
+
+  std::optional<BodyId> find_body(std::string_view name) const;
+  std::optional<JointId> find_joint(std::string_view name) const;
+  /// "joint" or "joint.coordinate", as couplings and drives write it.
+  std::string coordinate_name(JointCoordinate coordinate) const;
+
+  /// The same mechanism with other parameter values (SI). Unknown names and bad results are diagnostics.
+  ModelBuildResult with_parameters(const std::map<std::string, double>& values) const;
+
+ private:
+  friend class ModelAssembler;  // model/build.cc: the only writer
+  std::string name_;
+  Vector3d gravity_ = Vector3d(0, 0, -9.81);
+  std::vector<Body> bodies_;
+  std::vector<Joint> joints_;
+  std::vector<Coupling> couplings_;
+  std::vector<ForceElement> forces_;
+  std::vector<Drive> drives_;
+  std::vector<InitialValue> initial_;
+  std::vector<RecordedPoint> records_;
+  std::vector<Event> events_;
+  std::vector<Parameter> parameters_;
+  std::shared_ptr<const ModelSpec> spec_;
+};
+
+/// A model, or the reasons why there is none (warnings may stand beside a model).
+struct ModelBuildResult {
+  std::optional<Model> model;
+  Diagnostics diagnostics;
+};
+
+/// Checks a specification and computes its model. All errors at once; nothing throws.
+/// `parameter_values` override the parameters' own values (SI).
+/// Cost: linear in the size of the specification.
+ModelBuildResult build_model(ModelSpec spec, const std::map<std::string, double>& parameter_values = {});
+
+}  // namespace ferrers

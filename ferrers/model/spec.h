@@ -1,0 +1,240 @@
+#pragma once
+
+#include <array>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "ferrers/core/diagnostics.h"
+#include "ferrers/core/units.h"
+#include "ferrers/math/expression.h"
+
+/// The mechanism as its author described it: names, and numbers that may still be expressions over the parameters.
+/// Readers and C++ users fill a `ModelSpec`; `build_model` (model/build.h) checks it and computes a `Model`.
+/// Everything here is in SI; a place (`at`) is unknown for what was not read from a file.
+namespace ferrers {
+
+/// A literal, or an expression over the parameters.
+struct Number {
+  double value = 0;                      ///< Used when `expression` is empty.
+  std::optional<Expression> expression;  ///< Over parameters only (laws of time are `LawSpec`).
+  SourceRange at;
+
+  Number() = default;
+  Number(double v) : value(v) {}  // NOLINT(google-explicit-constructor): numbers are written as numbers
+};
+
+using Number3 = std::array<Number, 3>;
+
+inline Number3 number3(double x, double y, double z) { return {Number(x), Number(y), Number(z)}; }
+
+/// A name as written, with its place.
+struct NameRef {
+  std::string name;
+  SourceRange at;
+
+  NameRef() = default;
+  NameRef(std::string n, SourceRange where = {}) : name(std::move(n)), at(where) {}  // NOLINT
+  NameRef(const char* n) : name(n) {}                                                // NOLINT
+};
+
+struct ParameterSpec {
+  NameRef name;
+  Number value;                       ///< May use parameters in any order; cycles are errors.
+  std::optional<Dimension> dimension; ///< Known when written with a unit.
+  std::optional<Number> min, max, tolerance;
+  std::string doc;
+};
+
+/// Rotation by an axis and angle, or by a quaternion (w, x, y, z), not both.
+struct RotationSpec {
+  std::optional<std::pair<Number3, Number>> axis_angle;
+  std::optional<std::array<Number, 4>> quaternion;
+  SourceRange at;
+};
+
+struct PoseSpec {
+  Number3 position;
+  std::optional<RotationSpec> rotation;
+  SourceRange at;
+};
+
+struct InertiaSpec {
+  enum class Kind { kPoint, kTensor, kRod, kBox, kCylinder, kSphere };
+  Kind kind = Kind::kPoint;
+  Number3 moments, products;                   ///< kTensor: Ixx Iyy Izz; Ixy Ixz Iyz (tensor entries, −∫xy dm).
+  std::optional<Number3> from, to;             ///< kRod (required), kCylinder (its axis): end points, in the body's drawing frame.
+  Number3 size;                                ///< kBox: edge lengths along its axes.
+  Number radius;                               ///< kCylinder, kSphere (solid).
+  std::optional<RotationSpec> rotation;        ///< kBox, kTensor: turns the shape's axes in the drawing frame.
+  SourceRange at;
+};
+
+struct BodySpec {
+  NameRef name;
+  std::optional<Number> mass;
+  std::optional<Number3> com;     ///< Needed with a mass, unless the shape has end points (then their middle).
+  InertiaSpec inertia;
+  std::optional<PoseSpec> pose;   ///< Present: com, inertia and per-body places are in this frame, given in the world.
+};
+
+/// A point or direction: drawn once in the world, or given on both bodies in their own frames.
+struct PlaceSpec {
+  std::optional<Number3> drawn;
+  std::vector<std::pair<NameRef, Number3>> on_body;  ///< Two entries, one per body of the joint, or empty.
+  SourceRange at;
+  bool given() const { return drawn.has_value() || !on_body.empty(); }
+};
+
+enum class JointType {
+  kWeld, kRevolute, kPrismatic, kScrew, kCylindrical, kUniversal, kSpherical, kPlanar,
+  kPointOnLine, kPointOnPlane, kDistance, kGearMesh, kFree,
+};
+
+struct StiffnessSpec {
+  std::optional<Number3> force, moment;  ///< N/m, N·m/rad in the joint's frame.
+  SourceRange at;
+};
+
+struct MisalignmentSpec {
+  std::optional<Number3> translation, rotation;  ///< m, rad in the joint's frame.
+  SourceRange at;
+};
+
+struct FrictionSpec {
+  std::optional<Number> viscous, coulomb, radius;
+  SourceRange at;
+};
+
+struct JointSpec {
+  NameRef name;
+  JointType type = JointType::kRevolute;
+  std::array<NameRef, 2> bodies;  ///< First, second.
+  PlaceSpec place;                ///< `at`.
+  PlaceSpec axis;                 ///< `axis` or `normal`.
+  PlaceSpec axis2;                ///< kUniversal: the second of `axes`.
+  std::optional<Number3> x;       ///< Optional x direction of the joint's frame, drawn.
+  Number lead;                    ///< kScrew: m per turn.
+  std::optional<std::array<Number3, 2>> points;   ///< kDistance: on the first, on the second; drawn, or in the bodies' frames when they have poses
+  bool points_on_bodies = false;                  ///< kDistance: `points` is keyed by body: each in its body's own frame.
+  std::optional<Number> length;                   ///< kDistance: else the distance as drawn.
+  std::optional<Number3> line_of_action;          ///< kGearMesh: direction, drawn.
+  std::optional<std::array<Number3, 2>> centers;  ///< kGearMesh: centres of first and second, drawn.
+  std::optional<StiffnessSpec> stiffness;
+  std::optional<MisalignmentSpec> misalignment;
+  std::optional<std::array<Number, 2>> limits;    ///< Low, high of the (only) coordinate.
+  std::optional<FrictionSpec> friction;
+};
+
+/// `joint`, or `joint.coordinate` where the joint has several.
+struct CoordinateRef {
+  NameRef joint;
+  std::string coordinate;  ///< Empty: the joint's only coordinate.
+};
+
+struct CouplingSpec {
+  NameRef name;
+  std::vector<CoordinateRef> coordinates;
+  std::vector<Number> coefficients;  ///< Σ c q = 0, zero as drawn. A gear b = ratio·a becomes (−ratio, 1).
+  SourceRange at;
+};
+
+/// A scalar function of time, or of time and joint coordinates.
+struct LawSpec {
+  std::optional<Expression> expression;  ///< Over t, parameters and (for efforts and forces) joint coordinates.
+  /// A sampled law: times and values read from a CSV file by the reader; interpolated by a twice differentiable spline.
+  std::optional<std::pair<std::vector<double>, std::vector<double>>> samples;
+  std::string file;                      ///< For messages and writing back.
+  int column = 0;
+  SourceRange at;
+};
+
+struct DriveSpec {
+  NameRef name;
+  std::optional<CoordinateRef> coordinate;                ///< On a joint coordinate, or
+  std::optional<std::array<NameRef, 2>> bodies;           ///< on the distance of two points (drawn, or in body frames if posed), or
+  std::optional<std::array<Number3, 2>> points;
+  std::optional<NameRef> point;                           ///< on a recorded point (three laws, world axes).
+  std::vector<LawSpec> motion, effort;                    ///< Empty, one, or three (recorded point).
+  SourceRange at;
+};
+
+struct SpringSpec {
+  std::array<NameRef, 2> bodies;
+  std::array<Number3, 2> points;  ///< Each in its body's drawing frame (the world, or the body's pose).
+  Number stiffness, damping;
+  std::optional<Number> free_length;  ///< Else the length as drawn.
+};
+struct TorsionSpringSpec {
+  CoordinateRef coordinate;
+  Number stiffness, damping, free_angle;
+};
+struct JointDampingSpec {
+  CoordinateRef coordinate;
+  Number damping;
+};
+struct BushingSpec {
+  std::array<NameRef, 2> bodies;
+  PlaceSpec place, axis;
+  std::optional<Number3> x;
+  Number3 force_stiffness, moment_stiffness, force_damping, moment_damping;
+};
+/// `force` (at a point) or `torque` on a body: three laws, in world or body axes.
+struct LoadSpec {
+  NameRef body;
+  bool is_torque = false;
+  std::optional<Number3> place;  ///< For a force; in the body's drawing frame.
+  std::array<LawSpec, 3> components;
+  bool in_body_axes = false;
+};
+
+struct ForceSpec {
+  NameRef name;
+  std::variant<SpringSpec, TorsionSpringSpec, JointDampingSpec, BushingSpec, LoadSpec> element;
+  SourceRange at;
+};
+
+struct InitialSpec {
+  NameRef joint;
+  std::string coordinate;               ///< Empty: all the joint's coordinates in order.
+  std::vector<Number> position;         ///< Empty: not given. Quaternions as (w, x, y, z).
+  std::vector<Number> velocity;
+  bool guess = false;
+  SourceRange at;
+};
+
+struct RecordSpec {
+  NameRef name;
+  NameRef body;
+  Number3 place;  ///< In the body's drawing frame.
+  SourceRange at;
+};
+
+struct EventSpec {
+  enum class Action { kStop, kRecord, kSwitch };
+  NameRef name;
+  Expression when;  ///< Acts at a zero.
+  Action action = Action::kStop;
+  std::optional<NameRef> drive;  ///< kSwitch: switched off or on.
+  SourceRange at;
+};
+
+struct ModelSpec {
+  std::string name;
+  std::string doc;
+  Number3 gravity = number3(0, 0, -9.81);
+  std::vector<ParameterSpec> parameters;
+  std::vector<BodySpec> bodies;  ///< Without ground.
+  std::vector<JointSpec> joints;
+  std::vector<CouplingSpec> couplings;
+  std::vector<ForceSpec> forces;
+  std::vector<DriveSpec> drives;
+  std::vector<InitialSpec> initial;
+  std::vector<RecordSpec> records;
+  std::vector<EventSpec> events;
+};
+
+}  // namespace ferrers
