@@ -62,7 +62,8 @@ struct DiagnosticCode {
 const std::vector<DiagnosticCode>& diagnostic_codes();
 
 /// The text a user reads: `file:line:column: error[F204]: what`, the line with the range underlined, the hint.
-/// `source` is the whole text of the file (may be empty: then no excerpt).
+/// `source` is the whole text of the file (may be empty: then no excerpt). No line end at the end; control bytes and
+/// broken UTF-8 are shown as '?', lines wider than 120 characters are cut around the place. Cost: O(size of `source`).
 std::string format_diagnostic(const Diagnostic& diagnostic, std::string_view file, std::string_view source);
 
 }  // namespace ferrers
