@@ -12,6 +12,7 @@
 
 #include "ferrers/core/ids.h"
 #include "ferrers/math/rotation.h"
+#include "ferrers/model/coordinate.h"
 #include "ferrers/model/law.h"
 #include "ferrers/model/spec.h"
 
@@ -65,24 +66,10 @@ struct Joint {
   bool drawn = true;  ///< False: given on each body by itself, so a loop need not close as drawn.
 };
 
-/// One coordinate of one joint: `index` counts the joint type's coordinates (joint_type.h).
-struct JointCoordinate {
-  JointId joint;
-  int index = 0;
-  auto operator<=>(const JointCoordinate&) const = default;
-};
-
 struct Coupling {
   std::string name;
   std::vector<JointCoordinate> coordinates;
   std::vector<double> coefficients;  ///< Σ c q = 0.
-};
-
-/// The value an expression reads: time, or a joint coordinate's position or velocity.
-struct LawInput {
-  enum class Kind { kTime, kPosition, kVelocity };
-  Kind kind = Kind::kTime;
-  JointCoordinate coordinate;
 };
 
 struct Spring {
@@ -185,11 +172,12 @@ class Model {
   /// "joint" or "joint.coordinate", as couplings and drives write it.
   std::string coordinate_name(JointCoordinate coordinate) const;
 
-  /// The same mechanism with other parameter values (SI). Unknown names and bad results are diagnostics.
+  /// The same mechanism with other parameter values (SI), on top of those that this model was built with.
+  /// Unknown names and bad results are diagnostics. Cost: that of `build_model`.
   ModelBuildResult with_parameters(const std::map<std::string, double>& values) const;
 
  private:
-  friend class ModelAssembler;  // model/build.cc: the only writer
+  friend class ModelAssembler;  // model/build_internal.h: the only writer
   std::string name_;
   Vector3d gravity_ = Vector3d(0, 0, -9.81);
   std::vector<Body> bodies_;
@@ -202,6 +190,7 @@ class Model {
   std::vector<Event> events_;
   std::vector<Parameter> parameters_;
   std::shared_ptr<const ModelSpec> spec_;
+  std::map<std::string, double> overrides_;  ///< Parameter values that replace the specification's, SI.
 };
 
 /// A model, or the reasons why there is none (warnings may stand beside a model).

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <array>
+#include <span>
+#include <string_view>
+
+#include "ferrers/model/joints/relative_motion.h"
+#include "ferrers/model/model.h"
+
+/// What the engine knows of a joint type, one file per type behind one table: the only place that tells types apart.
+///
+/// Given: frames F on the first and M on the second body, coinciding at zero coordinates. A type with named coordinates
+/// can carry a body in the spanning tree: pose X_FM(q) and twist V_M − V_F = S(q) v. Every type can close a loop: 6 − f rows
+/// phi(X_FM) = 0. Properties that hold (tested at random poses): rows' wrenches T are orthogonal to S on the joint's
+/// own motion, W is the exact gradient of phi and `bias` the exact rest of its second derivative, off the manifold too.
+namespace ferrers {
+
+/// Components in the names of constraint rows and reactions; 0-2 are forces and 3-5 moments along F's axes.
+inline constexpr std::array<std::string_view, 6> kComponentNames = {"force_x",  "force_y",  "force_z",
+                                                                    "moment_x", "moment_y", "moment_z"};
+
+enum class CoordinateKind { kAngle, kDisplacement, kRotationRate, kPointVelocity };
+
+/// One velocity coordinate. `kAngle` and `kDisplacement` are also position coordinates of the same name.
+struct CoordinateInfo {
+  std::string_view name;
+  CoordinateKind kind;
+};
+
+/// Pose of M in F, in F axes.
+using MotionFunction = void (*)(const JointConstants&, const double* q, Pose& X_FM);
+/// Columns of S in F axes at p_M (angular, linear), and Ṡ v.
+using SubspaceFunction = void (*)(const JointConstants&, const double* q, const double* v, Twist* S, Twist& S_dot_v);
+/// The 6 − f rows, which vanish where the joint is closed. `winding`: one reference per angle (see `angles`).
+using RowsFunction = void (*)(const JointConstants&, const RelativeMotion&, const double* winding, Jet* rows);
+/// The joint's scalar coordinates as functions of the relative pose; angles as principal values.
+using CoordinatesFunction = void (*)(const JointConstants&, const RelativeMotion&, Jet* coordinates);
+/// Angles whose turns must be followed (see `State::winding`), as principal values.
+using AnglesFunction = void (*)(const JointConstants&, const RelativeMotion&, Jet* angles);
+
+/// Which keys place a joint of this type.
+enum class PlacementRule { kPoint, kPointAxis, kPointTwoAxes, kPointNormal, kTwoPoints, kMesh, kNone };
+
+struct JointTypeInfo {
+  JointType type;
+  std::string_view name;
+  PlacementRule placement;
+  int nq = 0;  ///< Position coordinates as a tree joint (quaternions take 4).
+  int nv = 0;  ///< Velocity coordinates as a tree joint.
+  std::span<const CoordinateInfo> coordinates = {};      ///< nv of them.
+  std::span<const std::string_view> position_names = {};///< nq of them.
+  std::span<const int> row_components = {};              ///< Row i is called after kComponentNames[row_components[i]].
+  bool can_be_tree = false;
+  int quaternion_at = -1;    ///< Index in q of a unit quaternion (w, x, y, z), or −1.
+  int winding_count = 0;     ///< Number of `angles`.
+  MotionFunction motion = nullptr;
+  SubspaceFunction subspace = nullptr;
+  RowsFunction rows = nullptr;
+  CoordinatesFunction coordinate_jets = nullptr;  ///< Null where coordinates are not scalars of the pose.
+  AnglesFunction angles = nullptr;
+
+  int row_count() const { return static_cast<int>(row_components.size()); }
+  int freedoms() const { return 6 - row_count(); }
+};
+
+const JointTypeInfo& joint_type_info(JointType type);
+std::span<const JointTypeInfo* const> all_joint_types();
+const JointTypeInfo* find_joint_type(std::string_view name);
+
+// The types, one file each.
+extern const JointTypeInfo kWeldJoint, kRevoluteJoint, kPrismaticJoint, kScrewJoint, kCylindricalJoint, kUniversalJoint,
+    kSphericalJoint, kPlanarJoint, kPointOnLineJoint, kPointOnPlaneJoint, kDistanceJoint, kGearMeshJoint, kFreeJoint;
+
+/// Row of the moment that keeps the two z axes parallel, along x or y of F, and the rows shared by several types.
+Jet moment_x_row(const RelativeMotion& m);
+Jet moment_y_row(const RelativeMotion& m);
+Jet moment_z_row(const RelativeMotion& m);
+/// Rotation of M about z of F, principal value.
+Jet angle_about_z(const RelativeMotion& m);
+
+/// True when the rows vanish but the axes point the wrong way round (dot products cannot tell).
+bool is_flipped(const JointTypeInfo& type, const RelativeMotion& m);
+
+/// A point of the reaction: p_M − p_F relative offset from p_M, in world axes; zero but for gear meshes (the pitch point).
+Eigen::Vector3d reaction_point_from_M(const Joint& joint, const RelativeMotion& m);
+
+}  // namespace ferrers
