@@ -38,7 +38,8 @@ struct Unit {
   Dimension dimension;
 };
 
-/// Reads a unit: names with SI prefixes joined by `*`, `·`, `/` and powers (`N*m`, `kg*m^2`, `mm/s²`, `deg`, `rpm`, `in`).
+/// Reads a unit: names with SI prefixes joined by `*`, `·`, `/` and powers (`N*m`, `kg*m^2`, `mm/s²`, `deg`, `rpm`, `in`),
+/// worked off from left to right: `N/m*s` is (N/m)·s. A leading `1/` is allowed. `Hz` is no unit: ambiguous by 2π.
 /// Empty when the text is no unit. Cost: O(length).
 std::optional<Unit> parse_unit(std::string_view text);
 
