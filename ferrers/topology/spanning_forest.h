@@ -21,7 +21,7 @@ namespace ferrers {
 struct TreeNode {
   BodyId body;
   int parent = -1;       ///< Node index, smaller than this node's; −1 for ground.
-  JointId joint;         ///< Inboard joint; invalid for ground and for a floating body.
+  JointId joint = {};    ///< Inboard joint; invalid for ground and for a floating body.
   bool forward = true;   ///< True: the parent is the joint's first body.
   int depth = 0;
 };

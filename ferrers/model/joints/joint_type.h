@@ -55,6 +55,7 @@ struct JointTypeInfo {
   int winding_count = 0;     ///< Number of `angles`.
   MotionFunction motion = nullptr;
   SubspaceFunction subspace = nullptr;
+  bool constant_subspace = true;  ///< Ṡ = 0 in F axes.
   RowsFunction rows = nullptr;
   CoordinatesFunction coordinate_jets = nullptr;  ///< Null where coordinates are not scalars of the pose.
   AnglesFunction angles = nullptr;

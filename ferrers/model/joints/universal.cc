@@ -48,6 +48,7 @@ const JointTypeInfo kUniversalJoint = {.type = JointType::kUniversal,
                                        .winding_count = 2,
                                        .motion = motion,
                                        .subspace = subspace,
+                                       .constant_subspace = false,
                                        .rows = rows,
                                        .coordinate_jets = coordinates,
                                        .angles = coordinates};

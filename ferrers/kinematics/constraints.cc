@@ -1,0 +1,131 @@
+#include "ferrers/kinematics/constraints.h"
+
+#include "ferrers/kinematics/coordinates.h"
+
+namespace ferrers {
+
+ConstraintKinematics make_constraint_kinematics(const System& system) {
+  ConstraintKinematics out;
+  out.phi = VectorXd::Zero(system.m);
+  out.G = RowMatrixXd::Zero(system.m, system.nv);
+  out.gamma = VectorXd::Zero(system.m);
+  out.rate = VectorXd::Zero(system.m);
+  return out;
+}
+
+RelativeMotion compute_relative_motion(const FramePair& pair, const PositionKinematics& pos,
+                                       const VelocityKinematics& acc) {
+  const PositionKinematics::NodePosition& n1 = pos.nodes[pair.node_1];
+  const PositionKinematics::NodePosition& n2 = pos.nodes[pair.node_2];
+  const VelocityKinematics::NodeVelocity& k1 = acc.nodes[pair.node_1];
+  const VelocityKinematics::NodeVelocity& k2 = acc.nodes[pair.node_2];
+  RelativeMotion m;
+  m.R_F.noalias() = n1.R * pair.X_1F.R;
+  m.R_M.noalias() = n2.R * pair.X_2M.R;
+  const Vector3d r_F = n1.R * pair.X_1F.p;
+  const Vector3d r_2 = n2.R * pair.X_2M.p;      // node 2's origin to p_M
+  const Vector3d apart = n2.p - n1.p;
+  m.d = apart + r_2 - r_F;
+  const Vector3d r_1 = apart + r_2;             // node 1's origin to p_M
+  m.w1 = k1.w;
+  m.w2 = k2.w;
+  m.w = k2.w - k1.w;
+  m.v = (k2.v + k2.w.cross(r_2)) - (k1.v + k1.w.cross(r_1));
+  m.alpha = k2.alpha - k1.alpha;
+  m.a = (k2.a + k2.alpha.cross(r_2) + k2.w.cross(k2.w.cross(r_2))) -
+        (k1.a + k1.alpha.cross(r_1) + k1.w.cross(k1.w.cross(r_1)));
+  return m;
+}
+
+void add_jet_row(const System& system, const FramePair& pair, const PositionKinematics& pos, const Wrench& W,
+                 double scale, Eigen::Ref<Eigen::RowVectorXd> row) {
+  const PositionKinematics::NodePosition& n2 = pos.nodes[pair.node_2];
+  const Vector3d p_M = n2.p + n2.R * pair.X_2M.p;
+  for (const FramePair::PathEntry& entry : pair.path) {
+    const Node& node = system.nodes[entry.node];
+    const Vector3d force = W.tail<3>() * (scale * entry.sign);
+    const Vector3d moment = W.head<3>() * (scale * entry.sign) + (p_M - pos.nodes[entry.node].p).cross(force);
+    for (int k = node.v; k < node.v + node.nv; ++k) {
+      row[k] += moment.dot(pos.S[k].head<3>()) + force.dot(pos.S[k].tail<3>());
+    }
+  }
+}
+
+namespace {
+
+void compute_cut_joint(const System& system, const CutJoint& cut, const State& state, const PositionKinematics& pos,
+                       const VelocityKinematics& vel, ConstraintKinematics& out) {
+  const RelativeMotion motion = compute_relative_motion(cut.frames, pos, vel);
+  Jet rows[6];
+  cut.type->rows(cut.constants, motion, state.winding.data() + cut.winding, rows);
+  for (int i = 0; i < cut.type->row_count(); ++i) {
+    const int row = cut.row + i;
+    out.phi[row] = rows[i].value;
+    out.rate[row] = rows[i].rate;
+    out.gamma[row] = -rows[i].bias;
+    add_jet_row(system, cut.frames, pos, rows[i].W, 1, out.G.row(row));
+  }
+}
+
+void compute_coupling(const System& system, const CouplingRow& coupling, const State& state,
+                      const PositionKinematics& pos, const VelocityKinematics& vel, ConstraintKinematics& out) {
+  const int row = coupling.row;
+  out.phi[row] = out.rate[row] = out.gamma[row] = 0;
+  for (std::size_t i = 0; i < coupling.coordinates.size(); ++i) {
+    const CoordinateAccess& access = coupling.coordinates[i];
+    const double c = coupling.coefficients[i];
+    const Jet jet = measure_coordinate(system, access, state, pos, vel);
+    out.phi[row] += c * jet.value;
+    out.rate[row] += c * jet.rate;
+    out.gamma[row] -= c * jet.bias;
+    add_coordinate_row(system, access, pos, jet, c, out.G.row(row));
+  }
+}
+
+}  // namespace
+
+void compute_constraints(const System& system, const State& state, const PositionKinematics& pos,
+                         const VelocityKinematics& vel, ConstraintKinematics& out) {
+  out.G.setZero();
+  for (const CutJoint& cut : system.cuts) compute_cut_joint(system, cut, state, pos, vel, out);
+  for (const CouplingRow& coupling : system.couplings) compute_coupling(system, coupling, state, pos, vel, out);
+}
+
+void accept_winding(const System& system, const PositionKinematics& pos, State& state) {
+  for (const CutJoint& cut : system.cuts) {
+    if (cut.type->winding_count == 0) continue;
+    const PositionKinematics::NodePosition& n1 = pos.nodes[cut.frames.node_1];
+    const PositionKinematics::NodePosition& n2 = pos.nodes[cut.frames.node_2];
+    RelativeMotion motion;
+    motion.R_F = n1.R * cut.frames.X_1F.R;
+    motion.R_M = n2.R * cut.frames.X_2M.R;
+    motion.d = n2.p + n2.R * cut.frames.X_2M.p - n1.p - n1.R * cut.frames.X_1F.p;
+    Jet angles[2];
+    cut.type->angles(cut.constants, motion, angles);
+    for (int i = 0; i < cut.type->winding_count; ++i) {
+      double& reference = state.winding[cut.winding + i];
+      reference = continued(angles[i], reference).value;
+    }
+  }
+}
+
+void compute_joint_rows(const System& system, JointId id, const State& state, const PositionKinematics& pos,
+                        const VelocityKinematics& acc, RelativeMotion& motion, Jet* rows) {
+  const Joint& joint = system.model->joint(id);
+  const JointTypeInfo& type = joint_type_info(joint.type);
+  const int closure = system.topology->closure_of_joint[id.index()];
+  if (closure >= 0) {
+    const CutJoint& cut = system.cuts[closure];
+    motion = compute_relative_motion(cut.frames, pos, acc);
+    type.rows(cut.constants, motion, state.winding.data() + cut.winding, rows);
+    return;
+  }
+  motion = compute_relative_motion(system.frame_pair(id), pos, acc);
+  // A tree joint knows its own angles.
+  double winding[2] = {0, 0};
+  const Node& node = system.nodes[system.topology->node_of_joint[id.index()]];
+  for (int i = 0; i < std::min(2, node.nq); ++i) winding[i] = state.q[node.q + i];
+  type.rows(joint.constants, motion, winding, rows);
+}
+
+}  // namespace ferrers

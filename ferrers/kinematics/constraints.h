@@ -1,0 +1,43 @@
+#pragma once
+
+#include "ferrers/kinematics/motion.h"
+
+namespace ferrers {
+
+/// The constraints of a system at one state, whatever its coordinates: what redundancy analysis and the equations of
+/// motion consume.
+///
+///   phi(q) = 0,   G v = nu,   G vdot = gamma(q, v)        [stepanyan, eq. (1), (3), (4)]
+///
+/// Here nu = 0: prescribed motions are added by their owners (kinematics/prescribed.h). Rows are named
+/// (`System::row_names`).
+struct ConstraintKinematics {
+  VectorXd phi;    ///< m: residual, m or rad.
+  RowMatrixXd G;   ///< m × nv: exact Jacobian, also off the manifold.
+  VectorXd gamma;  ///< m.
+  VectorXd rate;   ///< m: G v.
+};
+
+ConstraintKinematics make_constraint_kinematics(const System& system);
+
+/// Fills phi, G, gamma and rate. Allocates nothing. Cost: O(Σ rows × length of their loops), and m·nv to clear G.
+void compute_constraints(const System& system, const State& state, const PositionKinematics& pos,
+                         const VelocityKinematics& vel, ConstraintKinematics& out);
+
+/// Relative motion of two frames; `acc` holds bias accelerations (or complete ones: then a jet's `bias` is all of f'').
+RelativeMotion compute_relative_motion(const FramePair& pair, const PositionKinematics& pos,
+                                       const VelocityKinematics& acc);
+
+/// Row of G of a jet: G v = W · V_rel. Adds `scale` times it to `row` (nv).
+void add_jet_row(const System& system, const FramePair& pair, const PositionKinematics& pos, const Wrench& W,
+                 double scale, Eigen::Ref<Eigen::RowVectorXd> row);
+
+/// The turns of all cut angles at these poses, continued from `state.winding`.
+void accept_winding(const System& system, const PositionKinematics& pos, State& state);
+
+/// Jets of all rows of one joint (in the tree or cut) at these poses, world axes at p_M; `acc` as above.
+/// Shapes: row_count of the joint's type. A tree joint's rows vanish by construction; their wrenches W matter.
+void compute_joint_rows(const System& system, JointId joint, const State& state, const PositionKinematics& pos,
+                        const VelocityKinematics& acc, RelativeMotion& motion, Jet* rows);
+
+}  // namespace ferrers

@@ -1,0 +1,143 @@
+#include "ferrers/kinematics/motion.h"
+
+namespace ferrers {
+
+PositionKinematics make_position_kinematics(const System& system) {
+  PositionKinematics out;
+  out.nodes.resize(system.nodes.size());
+  out.S.assign(system.nv, Twist::Zero());
+  return out;
+}
+
+VelocityKinematics make_velocity_kinematics(const System& system) {
+  VelocityKinematics out;
+  out.nodes.resize(system.nodes.size());
+  return out;
+}
+
+void compute_positions(const System& system, const VectorXd& q, PositionKinematics& out) {
+  const VectorXd& no_velocity = q;  // S does not read v
+  Twist S_F[6], ignored;
+  Pose X_FM;
+  for (std::size_t i = 1; i < system.nodes.size(); ++i) {
+    const Node& node = system.nodes[i];
+    const PositionKinematics::NodePosition& parent = out.nodes[node.parent];
+    PositionKinematics::NodePosition& here = out.nodes[i];
+    const Matrix3d R_J = parent.R * node.X_PJ.R;
+    const Vector3d p_J = parent.p + parent.R * node.X_PJ.p;
+    node.type->motion(node.constants, q.data() + node.q, X_FM);
+    node.type->subspace(node.constants, q.data() + node.q, no_velocity.data(), S_F, ignored);
+    if (node.forward) {
+      here.R_F = R_J;
+      here.R.noalias() = R_J * X_FM.R;
+      here.p = p_J + R_J * X_FM.p;
+      for (int k = 0; k < node.nv; ++k) {
+        Twist& S = out.S[node.v + k];
+        S.head<3>().noalias() = R_J * S_F[k].head<3>();
+        S.tail<3>().noalias() = R_J * S_F[k].tail<3>();
+      }
+      continue;
+    }
+    // The parent carries M: this node's frame is F, and its twist is −S v shifted from p_M to p_F.
+    here.R.noalias() = R_J * X_FM.R.transpose();
+    here.R_F = here.R;
+    here.lever = -(here.R * X_FM.p);
+    here.p = p_J + here.lever;
+    for (int k = 0; k < node.nv; ++k) {
+      Twist& S = out.S[node.v + k];
+      const Vector3d angular = here.R * S_F[k].head<3>();
+      S.head<3>() = -angular;
+      S.tail<3>() = -(here.R * S_F[k].tail<3>()) - angular.cross(here.lever);
+    }
+  }
+}
+
+namespace {
+
+// Ṡ v of the inboard joint in world axes (angular, linear at p_M).
+Twist subspace_rate(const Node& node, const Matrix3d& R_F, const VectorXd& q, const VectorXd& v) {
+  Twist S_F[6], rate;
+  node.type->subspace(node.constants, q.data() + node.q, v.data() + node.v, S_F, rate);
+  Twist world;
+  world.head<3>() = R_F * rate.head<3>();
+  world.tail<3>() = R_F * rate.tail<3>();
+  return world;
+}
+
+}  // namespace
+
+void compute_velocities(const System& system, const PositionKinematics& pos, const VectorXd& q, const VectorXd& v,
+                        VelocityKinematics& out) {
+  for (std::size_t i = 1; i < system.nodes.size(); ++i) {
+    const Node& node = system.nodes[i];
+    const VelocityKinematics::NodeVelocity& parent = out.nodes[node.parent];
+    VelocityKinematics::NodeVelocity& here = out.nodes[i];
+    Vector3d w_J = Vector3d::Zero(), v_J = Vector3d::Zero();  // S v
+    for (int k = 0; k < node.nv; ++k) {
+      w_J += pos.S[node.v + k].head<3>() * v[node.v + k];
+      v_J += pos.S[node.v + k].tail<3>() * v[node.v + k];
+    }
+    const Vector3d r = pos.nodes[i].p - pos.nodes[node.parent].p;
+    here.w = parent.w + w_J;
+    here.v = parent.v + parent.w.cross(r) + v_J;
+    Twist rate = Twist::Zero();
+    if (!node.type->constant_subspace) rate = subspace_rate(node, pos.nodes[i].R_F, q, v);
+    if (node.forward) {
+      here.alpha = parent.alpha + parent.w.cross(w_J) + rate.head<3>();
+      here.a = parent.a + parent.alpha.cross(r) + parent.w.cross(parent.w.cross(r)) + 2 * parent.w.cross(v_J) +
+               rate.tail<3>();
+      continue;
+    }
+    // Relative motion is seen from this (first) body: subtract it as it is seen from here, then go from p_M to p_F.
+    const Vector3d& lever = pos.nodes[i].lever;
+    const Vector3d r_M = r - lever;
+    const Vector3d v_M = v_J - w_J.cross(lever);
+    here.alpha = parent.alpha + here.w.cross(w_J) - rate.head<3>();
+    here.a = parent.a + parent.alpha.cross(r_M) + parent.w.cross(parent.w.cross(r_M)) + 2 * here.w.cross(v_M) -
+             rate.tail<3>() + here.alpha.cross(lever) + here.w.cross(here.w.cross(lever));
+  }
+}
+
+void compute_accelerations(const System& system, const PositionKinematics& pos, const VelocityKinematics& vel,
+                           const VectorXd& vdot, VelocityKinematics& out) {
+  out.nodes[0] = vel.nodes[0];
+  // Only the part that vdot adds is propagated: it is linear, like a velocity.
+  for (std::size_t i = 1; i < system.nodes.size(); ++i) {
+    const Node& node = system.nodes[i];
+    const Vector3d r = pos.nodes[i].p - pos.nodes[node.parent].p;
+    VelocityKinematics::NodeVelocity& here = out.nodes[i];
+    const Vector3d alpha_parent = out.nodes[node.parent].alpha - vel.nodes[node.parent].alpha;
+    const Vector3d a_parent = out.nodes[node.parent].a - vel.nodes[node.parent].a;
+    Vector3d alpha = alpha_parent, a = a_parent + alpha_parent.cross(r);
+    for (int k = 0; k < node.nv; ++k) {
+      alpha += pos.S[node.v + k].head<3>() * vdot[node.v + k];
+      a += pos.S[node.v + k].tail<3>() * vdot[node.v + k];
+    }
+    here.w = vel.nodes[i].w;
+    here.v = vel.nodes[i].v;
+    here.alpha = vel.nodes[i].alpha + alpha;
+    here.a = vel.nodes[i].a + a;
+  }
+}
+
+Pose body_pose(const System& system, const PositionKinematics& pos, BodyId body) {
+  const int i = system.topology->forest.node_of_body.at(body.index());
+  return Pose(pos.nodes[i].R, pos.nodes[i].p) * system.nodes[i].X_BN.inverse();
+}
+
+Vector3d point_position(const PositionKinematics& pos, const NodePoint& point) {
+  return pos.nodes[point.node].p + pos.nodes[point.node].R * point.p_N;
+}
+
+Vector3d point_velocity(const PositionKinematics& pos, const VelocityKinematics& vel, const NodePoint& point) {
+  const VelocityKinematics::NodeVelocity& n = vel.nodes[point.node];
+  return n.v + n.w.cross(pos.nodes[point.node].R * point.p_N);
+}
+
+Vector3d point_acceleration(const PositionKinematics& pos, const VelocityKinematics& acc, const NodePoint& point) {
+  const VelocityKinematics::NodeVelocity& n = acc.nodes[point.node];
+  const Vector3d r = pos.nodes[point.node].R * point.p_N;
+  return n.a + n.alpha.cross(r) + n.w.cross(n.w.cross(r));
+}
+
+}  // namespace ferrers
