@@ -13,7 +13,7 @@
 
 namespace ferrers {
 
-struct ExpressionNode;  // the syntax tree, private to expression*.cc
+struct ExpressionTree;  // the syntax tree, private to expression*.cc
 
 /// A name used in an expression, with its first place.
 struct ExpressionName {
@@ -21,17 +21,33 @@ struct ExpressionName {
   SourceRange at;
 };
 
+/// Whether formulas use this name themselves (`pi` and the functions), so that nothing else may be called so.
+bool is_expression_keyword(std::string_view name);
+
 /// A formula over named quantities: parsed once, differentiated exactly, evaluated through an `ExpressionProgram`.
 ///
-/// Immutable and cheap to copy (a shared tree). Values are SI; a literal may carry a unit (`5 mm`).
+/// The language: `+ - * / ^` (`^` binds tightest and to the right, so `-x^2` is −(x²)), parentheses, `pi`, names that
+/// may be dotted, and the functions
+///
+///     sin cos tan asin acos atan atan2(y, x) sinh cosh tanh exp log log10 sqrt abs sign floor
+///     min(a, b, ...) max(a, b, ...) mod(a, b) pow(a, b) hypot(a, b) if(a < b, then, else)
+///     smoothstep(x)  smootherstep(x)   from 0 to 1 over x in [0, 1] with one, with two, continuous derivatives
+///
+/// Comparisons `< <= > >=` stand only as the first argument of `if`. mod(a, b) is a − b·floor(a/b).
+///
+/// Values are SI; a literal may carry a unit: `5 mm`, `200 N/m`, `3 mm^2`. The unit is the longest run of unit names
+/// joined by `*`, `/` and whole powers *without spaces*, so `2 m/s` is a velocity and `2 m / s` divides by the name s.
+///
+/// Immutable and cheap to copy (a shared tree). No operation recurses over the tree, so none can exhaust the stack.
 class Expression {
  public:
-  Expression();  ///< The constant 0.
-  static Expression constant(double value);
+  Expression();                              ///< The constant 0.
+  static Expression constant(double value);  ///< Throws `std::invalid_argument` when not finite.
   static Expression variable(std::string name);
 
   /// Parses `text` (without the leading '='), whose first byte stands at `at` in the file; errors go to `diagnostics`
-  /// with their exact column. Depth and length are limited; never throws, never recurses without bound.
+  /// with their exact column (from column 1 when `at` is unknown). At most 16384 bytes, 200 levels of nesting.
+  /// Never throws. Cost: O(length).
   static std::optional<Expression> parse(std::string_view text, SourceRange at, Diagnostics& diagnostics);
 
   /// Every name used, except `pi`, each once, in order of appearance.
@@ -39,7 +55,9 @@ class Expression {
   bool depends_on(std::string_view name) const;
   std::optional<double> constant_value() const;  ///< Set when no name is left.
 
-  /// The exact derivative with respect to a name, simplified. Not smooth points (abs at 0) give one side's value.
+  /// The exact derivative with respect to a name, lightly simplified, with common subexpressions shared. A kink (abs at
+  /// 0, min, if) gives one side's value; a jump (sign, floor) counts as flat; where the true derivative is unbounded or
+  /// undefined (sqrt at 0, hypot at the origin) its value is infinite or NaN. Cost: O(size).
   Expression derivative(std::string_view name) const;
 
   /// The same formula with names replaced where `replacement` returns a formula.
@@ -47,34 +65,43 @@ class Expression {
 
   /// The dimension, where it can be told: names whose dimension `dimension_of` does not know (nullopt) match anything.
   /// Contradictions (m + kg, sin of a length) go to `diagnostics` as F204. Result nullopt: unknown, fits anything.
+  /// A bare literal is a pure number as a factor (`3*r` is a length) and fits anything as a term (`r + 0.1`);
+  /// arithmetic of bare literals alone stays bare. Exponents of a quantity must leave whole exponents of m, kg and s.
   std::optional<Dimension> dimension(const std::function<std::optional<Dimension>(std::string_view)>& dimension_of,
                                      Diagnostics& diagnostics) const;
 
-  std::string to_string() const;  ///< Reads back as the same formula.
-  SourceRange at() const;         ///< Where the formula stands.
-
-  const ExpressionNode& root() const { return *root_; }
+  /// Reads back as a formula with the same operations in the same order. Cost: linear in the text, in which shared
+  /// parts of a derivative are written out each time.
+  std::string to_string() const;
+  SourceRange at() const;  ///< Where the formula stands.
 
  private:
-  explicit Expression(std::shared_ptr<const ExpressionNode> root);
-  std::shared_ptr<const ExpressionNode> root_;
+  explicit Expression(std::shared_ptr<const ExpressionTree> tree);
+  std::shared_ptr<const ExpressionTree> tree_;
   friend class ExpressionProgram;
 };
 
-/// An expression as straight-line code over an array of inputs: evaluation allocates nothing.
+/// An expression as straight-line code over an array of inputs; common subexpressions are computed once.
+///
+/// Evaluation allocates nothing: its registers stand on the stack. (Beyond 4096 registers, which takes a hostile
+/// formula and its derivatives, they are allocated.) Copies share the code; evaluation from several threads is safe.
 class ExpressionProgram {
  public:
   ExpressionProgram();  ///< The constant 0 of no inputs.
 
-  /// `inputs[i]` is the name whose value stands at `values[i]`. Throws `std::invalid_argument` for a name that is no input.
+  /// `inputs[i]` is the name whose value stands at `values[i]`. Throws `std::invalid_argument` for a name that is no
+  /// input.
   ExpressionProgram(const Expression& expression, std::span<const std::string> inputs);
 
-  double evaluate(const double* values) const;  ///< Cost: linear in the size of the formula.
+  /// Outside a function's domain (log of -1) the value is NaN or infinite. Cost: linear in the size of the formula.
+  double evaluate(const double* values) const;
+
+  int register_count() const { return register_count_; }
 
  private:
   struct Instruction;
   std::shared_ptr<const std::vector<Instruction>> code_;
-  int stack_size_ = 1;
+  int register_count_ = 1;
 };
 
 }  // namespace ferrers
