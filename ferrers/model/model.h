@@ -25,22 +25,22 @@ using Vector6d = Eigen::Matrix<double, 6, 1>;
 /// A rigid body. Its frame is the world frame of the drawing, or the frame that its `pose` gives.
 struct Body {
   std::string name;
-  bool has_mass = false;                          ///< False: no mass was given (good for `analyze` only).
+  bool has_mass = false;  ///< False: no mass was given (good for `analyze` only).
   double mass_kg = 0;
-  Vector3d com_m = Vector3d::Zero();              ///< In the body frame.
-  Matrix3d inertia_kgm2 = Matrix3d::Zero();       ///< About the mass centre, body axes.
-  Pose X_WB;                                      ///< Pose as drawn.
+  Vector3d com_m = Vector3d::Zero();         ///< In the body frame.
+  Matrix3d inertia_kgm2 = Matrix3d::Zero();  ///< About the mass centre, body axes.
+  Pose X_WB;                                 ///< Pose as drawn.
 };
 
 /// Numbers that only some joint types use.
 struct JointConstants {
-  double lead_m = 0;       ///< kScrew: advance per turn.
-  double length_m = 0;     ///< kDistance.
+  double lead_m = 0;    ///< kScrew: advance per turn.
+  double length_m = 0;  ///< kDistance.
   /// kGearMesh: signed base radii about z of the centres (which are the origins of F and M), and whether the mesh
   /// follows the line of centres; if not, `mesh_holds_as_drawn_only`.
   double base_radius_1_m = 0, base_radius_2_m = 0;
-  double mesh_side = 1;    ///< kGearMesh: sign of (line of action)·(line of centres).
-  double mesh_offset_m = 0;///< kGearMesh: makes the residual zero as drawn.
+  double mesh_side = 1;      ///< kGearMesh: sign of (line of action)·(line of centres).
+  double mesh_offset_m = 0;  ///< kGearMesh: makes the residual zero as drawn.
   bool mesh_holds_as_drawn_only = false;
   Vector3d pitch_point_F_m = Vector3d::Zero();
   Vector3d line_of_action_F = Vector3d::UnitX();
@@ -107,17 +107,17 @@ struct Drive {
   enum class Kind { kCoordinate, kDistance, kPoint };
   std::string name;
   Kind kind = Kind::kCoordinate;
-  JointCoordinate coordinate;      ///< kCoordinate.
-  BodyId first, second;            ///< kDistance; kPoint: `second` carries the point.
+  JointCoordinate coordinate;  ///< kCoordinate.
+  BodyId first, second;        ///< kDistance; kPoint: `second` carries the point.
   Vector3d point_1_m = Vector3d::Zero(), point_2_m = Vector3d::Zero();
-  std::vector<Law> motion;         ///< Empty, 1, or 3 for kPoint.
+  std::vector<Law> motion;  ///< Empty, 1, or 3 for kPoint.
   std::vector<Law> effort;
   int components() const { return kind == Kind::kPoint ? 3 : 1; }
 };
 
 struct InitialValue {
   JointCoordinate coordinate;
-  bool whole_joint = false;             ///< Values for all of the joint's coordinates.
+  bool whole_joint = false;  ///< Values for all of the joint's coordinates.
   std::vector<double> position, velocity;
   bool guess = false;
   SourceRange at;

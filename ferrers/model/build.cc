@@ -1,0 +1,45 @@
+#include <utility>
+
+#include "ferrers/model/build_internal.h"
+
+namespace ferrers {
+
+ModelAssembler::ModelAssembler(std::shared_ptr<const ModelSpec> spec, std::map<std::string, double> overrides)
+    : spec_(std::move(spec)), overrides_(std::move(overrides)) {}
+
+ModelBuildResult ModelAssembler::build() {
+  static const NameRef kModel("the model");
+  model_.name_ = spec_->name;
+  index_names();
+  build_parameters();
+  model_.gravity_ = vector(spec_->gravity, kAcceleration, {"gravity", kModel});
+  build_bodies();
+  build_joints();
+  build_meshes();
+  check_bodies_have_joints();
+  build_couplings();
+  build_forces();
+  build_records();
+  build_drives();
+  build_initial();
+  build_events();
+  ModelBuildResult result;
+  result.diagnostics = std::move(diagnostics_);
+  if (result.diagnostics.has_errors()) return result;
+  model_.spec_ = std::move(spec_);
+  model_.overrides_ = std::move(overrides_);
+  result.model = std::move(model_);
+  return result;
+}
+
+ModelBuildResult build_model(ModelSpec spec, const std::map<std::string, double>& parameter_values) {
+  return ModelAssembler(std::make_shared<const ModelSpec>(std::move(spec)), parameter_values).build();
+}
+
+ModelBuildResult Model::with_parameters(const std::map<std::string, double>& values) const {
+  std::map<std::string, double> merged = overrides_;
+  for (const auto& [name, value] : values) merged[name] = value;
+  return ModelAssembler(spec_, std::move(merged)).build();
+}
+
+}  // namespace ferrers

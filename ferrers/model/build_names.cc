@@ -1,0 +1,166 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "ferrers/model/build_internal.h"
+
+namespace ferrers {
+namespace {
+
+constexpr std::string_view kGroundName = "ground";
+
+bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
+
+bool is_valid_name(std::string_view name) {
+  if (name.empty() || !is_letter(name.front())) return false;
+  return std::all_of(name.begin(), name.end(), [](char c) { return is_letter(c) || (c >= '0' && c <= '9'); });
+}
+
+/// Number of letters to add, drop or change between two words (Levenshtein), by rows of the usual table.
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t j = 0; j < row.size(); ++j) row[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t changed = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      diagonal = row[j];
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, changed});
+    }
+  }
+  return row.back();
+}
+
+}  // namespace
+
+std::string suggest_name(std::string_view name, const std::vector<std::string_view>& known) {
+  constexpr std::size_t kLongest = 64;  // longer names are not worth the quadratic comparison
+  if (name.size() > kLongest) return {};
+  std::string_view best;
+  std::size_t best_distance = std::max<std::size_t>(1, name.size() / 3) + 1;
+  for (const std::string_view candidate : known) {
+    if (candidate.size() > name.size() + 3 || name.size() > candidate.size() + 3) continue;
+    const std::size_t distance = edit_distance(name, candidate);
+    if (distance < best_distance) {
+      best = candidate;
+      best_distance = distance;
+    }
+  }
+  return best.empty() ? std::string() : fmt::format("did you mean '{}'?", best);
+}
+
+void ModelAssembler::check_name(const NameRef& name, std::string_view kind) {
+  if (is_valid_name(name.name)) return;
+  diagnostics_.error("F301", name.at, fmt::format("'{}' is not a valid name for a {}", name.name, kind),
+                     "a name starts with a letter or '_' and goes on with letters, digits and '_'");
+}
+
+bool ModelAssembler::add_name(NameIndex& index, const NameRef& name, int position, std::string_view kind) {
+  check_name(name, kind);
+  if (name.name == kGroundName && kind == "body") {
+    diagnostics_.error("F301", name.at, "'ground' is the name of the fixed body, which always exists",
+                       "call this body something else");
+    return false;
+  }
+  if (index.emplace(name.name, position).second) return true;
+  diagnostics_.error("F302", name.at, fmt::format("the {} '{}' is given twice", kind, name.name),
+                     "every name stands for one thing");
+  return false;
+}
+
+void ModelAssembler::index_names() {
+  const auto index_all = [this](const auto& specs, NameIndex& index, std::string_view kind, int first = 0) {
+    for (const auto& spec : specs) add_name(index, spec.name, first++, kind);
+  };
+  index_all(spec_->bodies, body_index_, "body", 1);
+  body_index_[std::string(kGroundName)] = 0;
+  index_all(spec_->joints, joint_index_, "joint");
+  index_all(spec_->records, record_index_, "recorded point");
+  index_all(spec_->drives, drive_index_, "drive");
+  NameIndex couplings, forces, events;
+  index_all(spec_->couplings, couplings, "coupling");
+  index_all(spec_->forces, forces, "force element");
+  index_all(spec_->events, events, "event");
+  for (const CouplingSpec& coupling : spec_->couplings) {
+    if (joint_index_.count(coupling.name.name) == 0) continue;
+    diagnostics_.error("F302", coupling.name.at,
+                       fmt::format("the coupling '{}' has the name of a joint", coupling.name.name),
+                       "constraint rows are named after joints and couplings, so their names must differ");
+  }
+}
+
+std::optional<int> ModelAssembler::find(const NameIndex& index, const NameRef& name, std::string_view kind, Field field,
+                                        std::string_view code) {
+  const auto found = index.find(name.name);
+  if (found != index.end()) return found->second;
+  std::vector<std::string_view> known;
+  for (const auto& [other, position] : index) known.push_back(other);
+  std::sort(known.begin(), known.end());
+  diagnostics_.error(
+      code, place_or(name.at, field.owner),
+      fmt::format("'{}' of '{}' names the {} '{}', which does not exist", field.key, field.owner.name, kind, name.name),
+      suggest_name(name.name, known));
+  return std::nullopt;
+}
+
+std::optional<BodyId> ModelAssembler::find_body(const NameRef& name, Field field) {
+  const std::optional<int> index = find(body_index_, name, "body", field, "F303");
+  return index ? std::optional(BodyId(*index)) : std::nullopt;
+}
+
+std::optional<JointId> ModelAssembler::find_joint(const NameRef& name, Field field) {
+  const std::optional<int> index = find(joint_index_, name, "joint", field, "F304");
+  return index ? std::optional(JointId(*index)) : std::nullopt;
+}
+
+std::optional<JointCoordinate> ModelAssembler::find_coordinate(const CoordinateRef& ref, Field field) {
+  const std::optional<JointId> id = find_joint(ref.joint, field);
+  if (!id) return std::nullopt;
+  const JointTypeInfo& info = joint_type_info(joint(*id).type);
+  std::vector<std::string_view> known;
+  for (const CoordinateInfo& coordinate : info.coordinates) {
+    if (coordinate.kind == CoordinateKind::kAngle || coordinate.kind == CoordinateKind::kDisplacement) {
+      known.push_back(coordinate.name);
+    }
+  }
+  const SourceRange at = place_or(ref.joint.at, field.owner);
+  if (known.empty()) {
+    diagnostics_.error(
+        "F305", at,
+        fmt::format("'{}' of '{}' needs a coordinate, but the {} joint '{}' has no angle or displacement", field.key,
+                    field.owner.name, info.name, ref.joint.name));
+    return std::nullopt;
+  }
+  if (ref.coordinate.empty() && known.size() == 1) return JointCoordinate{*id, 0};
+  for (std::size_t i = 0; i < known.size(); ++i) {
+    if (known[i] == ref.coordinate) return JointCoordinate{*id, static_cast<int>(i)};
+  }
+  const std::string choices = fmt::format("{}", fmt::join(known, ", "));
+  if (ref.coordinate.empty()) {
+    diagnostics_.error("F305", at,
+                       fmt::format("'{}' of '{}' must say which coordinate of the joint '{}' is meant", field.key,
+                                   field.owner.name, ref.joint.name),
+                       "it has " + choices);
+  } else {
+    diagnostics_.error(
+        "F305", at, fmt::format("the {} joint '{}' has no coordinate '{}'", info.name, ref.joint.name, ref.coordinate),
+        "it has " + choices);
+  }
+  return std::nullopt;
+}
+
+std::optional<BodyPair> ModelAssembler::find_pair(const std::array<NameRef, 2>& names, const NameRef& owner) {
+  const std::optional<BodyId> first = find_body(names[0], {"bodies", owner});
+  const std::optional<BodyId> second = find_body(names[1], {"bodies", owner});
+  if (!first || !second) return std::nullopt;
+  if (*first == *second) {
+    diagnostics_.error("F316", place_or(names[1].at, owner),
+                       fmt::format("'{}' connects the body '{}' with itself", owner.name, names[0].name),
+                       "name two different bodies");
+    return std::nullopt;
+  }
+  return BodyPair{owner, {*first, *second}, names};
+}
+
+}  // namespace ferrers

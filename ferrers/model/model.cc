@@ -1,0 +1,34 @@
+#include "ferrers/model/model.h"
+
+#include "ferrers/core/checks.h"
+#include "ferrers/model/joints/joint_type.h"
+
+namespace ferrers {
+
+std::optional<BodyId> Model::find_body(std::string_view name) const {
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    if (bodies_[i].name == name) return BodyId(i);
+  }
+  return std::nullopt;
+}
+
+std::optional<JointId> Model::find_joint(std::string_view name) const {
+  for (std::size_t i = 0; i < joints_.size(); ++i) {
+    if (joints_[i].name == name) return JointId(i);
+  }
+  return std::nullopt;
+}
+
+std::string Model::coordinate_name(JointCoordinate coordinate) const {
+  const int count = static_cast<int>(joints_.size());
+  require(coordinate.joint.valid() && coordinate.joint.index() < count,
+          "coordinate_name: the joint is not of this model");
+  const Joint& owner = joint(coordinate.joint);
+  const auto names = joint_type_info(owner.type).coordinates;
+  require(coordinate.index >= 0 && coordinate.index < static_cast<int>(names.size()),
+          "coordinate_name: the joint has no such coordinate");
+  if (names.size() == 1) return owner.name;
+  return owner.name + "." + std::string(names[static_cast<std::size_t>(coordinate.index)].name);
+}
+
+}  // namespace ferrers
