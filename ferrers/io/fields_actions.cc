@@ -1,0 +1,137 @@
+#include "ferrers/io/field_tables.h"
+
+namespace ferrers {
+namespace {
+
+using K = ValueKind;
+
+FieldInfo bodies_field() { return required(field("bodies", K::kNamePair, {}, "First and second body")); }
+FieldInfo points_field() {
+  return required(field("points", K::kPoints, kOfLength,
+                        "Point on the first body, point on the second; or a map from body to point"));
+}
+FieldInfo joint_field() {
+  return required(field("joint", K::kCoordinate, {}, "The joint, or joint.coordinate where it has several"));
+}
+FieldInfo coordinate_field() {
+  return field("coordinate", K::kName, {}, "Which coordinate of the joint", "its only one");
+}
+FieldInfo axes_field() {
+  return choice_field("axes", {"world", "body"}, "Axes of the three components", "world");
+}
+
+ObjectFamily force_family() {
+  ObjectFamily family{Family::kForce, "force", "a force", "type", false, {},
+                      "What acts on bodies besides gravity, joints and drives.", {}};
+  family.types = {
+      {"spring",
+       "a spring",
+       "Pulls two points together along their line: stiffness · (length − free length) + damping · rate.",
+       {bodies_field(), points_field(), required(field("stiffness", K::kNumber, kOfStiffness, "Force per length")),
+        field("damping", K::kNumber, kOfDamping, "Force per speed", "0"),
+        field("free_length", K::kNumber, kOfLength, "Length without force", "as drawn")}},
+      {"torsion_spring",
+       "a torsion spring",
+       "Turns a joint coordinate towards its free angle.",
+       {joint_field(), coordinate_field(),
+        required(field("stiffness", K::kNumber, kOfTorsionStiffness, "Torque per angle")),
+        field("damping", K::kNumber, kOfTorsionDamping, "Torque per angular speed", "0"),
+        field("free_angle", K::kNumber, kOfAngle, "Angle without torque", "0, as drawn")}},
+      {"joint_damping",
+       "a joint damping",
+       "Brakes a joint coordinate in proportion to its speed.",
+       {joint_field(), coordinate_field(), required(field("damping", K::kNumber, kOfCoordinateDamping, "Effort per speed"))}},
+      {"bushing",
+       "a bushing",
+       "A soft joint: stiffness and damping along and about three axes.",
+       {bodies_field(), required(field("at", K::kPlace, kOfLength, "Its point as drawn, or on each body")),
+        field("axis", K::kAxis, kOfPureNumber, "Direction of its z axis", "z"),
+        field("x", K::kDirection, kOfPureNumber, "Direction of its x axis, made perpendicular to z",
+              "the world axis least aligned with z"),
+        required(object_field("stiffness", K::kObject, Family::kBushingStiffness, "Forces and moments per displacement")),
+        object_field("damping", K::kObject, Family::kBushingDamping, "Forces and moments per speed", "none")}},
+      {"force",
+       "a force",
+       "A given force at a point of a body.",
+       {required(field("body", K::kName, {}, "On which body it acts")),
+        required(field("at", K::kVector3, kOfLength, "Point of the body at which it acts, as drawn")),
+        required(law_field("force", K::kLaw3, kOfForce, "Three components")), axes_field()}},
+      {"torque",
+       "a torque",
+       "A given torque on a body.",
+       {required(field("body", K::kName, {}, "On which body it acts")),
+        required(law_field("torque", K::kLaw3, kOfTorque, "Three components")), axes_field()}},
+  };
+  return family;
+}
+
+ObjectFamily single(Family id, std::string_view name, std::string_view title, std::string doc,
+                    std::vector<FieldInfo> fields) {
+  ObjectFamily family{id, name, title, {}, false, {}, std::move(doc), {}};
+  family.types.push_back({{}, std::string(title), {}, std::move(fields)});
+  return family;
+}
+
+ObjectFamily drive_family() {
+  const std::string motion = "Given motion, for inverse dynamics, kinematics and driven simulation";
+  const std::string effort = "Given effort, for simulation; positive drives the second body forward";
+  ObjectFamily family{Family::kDrive, "drive", "a drive", {}, false, {},
+                      "On a joint coordinate (`joint`), on the distance of two points (`bodies`), or on a recorded point "
+                      "(`point`). Either law may be absent.",
+                      {}};
+  family.types = {
+      {"joint",
+       "a drive on a joint",
+       {},
+       {joint_field(), coordinate_field(), law_field("motion", K::kLaw, kOfCoordinate, motion, "none"),
+        law_field("effort", K::kLaw, kOfCoordinateEffort, effort, "none")}},
+      {"bodies",
+       "a drive on a distance",
+       {},
+       {bodies_field(), points_field(), law_field("motion", K::kLaw, kOfLength, motion + ": the distance", "none"),
+        law_field("effort", K::kLaw, kOfForce, effort + ": apart", "none")}},
+      {"point",
+       "a drive on a recorded point",
+       {},
+       {required(field("point", K::kName, {}, "Name of a recorded point")),
+        law_field("motion", K::kLaw3, kOfLength, motion + ": the path, world axes", "none"),
+        law_field("effort", K::kLaw3, kOfForce, effort + ", world axes", "none")}},
+  };
+  return family;
+}
+
+}  // namespace
+
+std::vector<ObjectFamily> make_action_families() {
+  return {
+      force_family(),
+      single(Family::kBushingStiffness, "bushing_stiffness", "a bushing's stiffness",
+             "In the bushing's frame; one number stands for three.",
+             {field("force", K::kVector3OrScalar, kOfStiffness, "Along x, y, z", "0"),
+              field("moment", K::kVector3OrScalar, kOfTorsionStiffness, "About x, y, z", "0")}),
+      single(Family::kBushingDamping, "bushing_damping", "a bushing's damping",
+             "In the bushing's frame; one number stands for three.",
+             {field("force", K::kVector3OrScalar, kOfDamping, "Along x, y, z", "0"),
+              field("moment", K::kVector3OrScalar, kOfTorsionDamping, "About x, y, z", "0")}),
+      drive_family(),
+      single(Family::kInitial, "initial", "an initial value", "State of one joint at the start.",
+             {field("coordinate", K::kName, {}, "Which coordinate of the joint", "its only one, or all in order"),
+              field("position", K::kNumberOrList, kOfCoordinate, "Position, exact unless it is a guess", "found by assembly"),
+              field("velocity", K::kNumberOrList, kOfCoordinateRate, "Velocity", "the least in the mass metric"),
+              field("guess", K::kBoolean, {}, "Whether the position is only where the assembly starts", "false")}),
+      single(Family::kRecord, "record", "a recorded point", "A point fixed to a body.",
+             {required(field("body", K::kName, {}, "The body that carries it")),
+              required(field("at", K::kVector3, kOfLength, "The point, as drawn"))}),
+      single(Family::kEvent, "event", "an event", "Acts when a formula passes through zero.",
+             {required(field("when", K::kExpression, {}, "The formula, of time and joint coordinates")),
+              required(choice_field("do", {"stop", "record", "switch"},
+                                    "End the run, write a row, or switch a drive off or on")),
+              field("drive", K::kName, {}, "Which drive `switch` switches", "none")}),
+      single(Family::kLawFile, "law_file", "a law from a file",
+             "A law sampled in a CSV file; between the samples a smooth spline.",
+             {required(field("file", K::kText, {}, "Path of the CSV file, from the model's folder and inside it")),
+              field("column", K::kInteger, {}, "Column of the values, from 1; column 1 is the time in s", "2")}),
+  };
+}
+
+}  // namespace ferrers

@@ -1,0 +1,146 @@
+#include "ferrers/io/field_tables.h"
+#include "ferrers/model/joints/joint_type.h"
+
+namespace ferrers {
+namespace {
+
+using K = ValueKind;
+
+FieldInfo place_field() {
+  return required(field("at", K::kPlace, kOfLength,
+                        "Point of the joint as drawn; or where it sits on each body: {crank: [...], rod: [...]}"));
+}
+
+/// The keys that place a joint, by the rule of its type.
+std::vector<FieldInfo> placement_fields(PlacementRule rule) {
+  const FieldInfo axis = field("axis", K::kAxis, kOfPureNumber, "Direction of the axis, fixed to the first body");
+  switch (rule) {
+    case PlacementRule::kPoint:
+      return {place_field()};
+    case PlacementRule::kPointAxis:
+      return {place_field(), required(axis)};
+    case PlacementRule::kPointTwoAxes:
+      return {place_field(),
+              required(field("axes", K::kAxisPair, kOfPureNumber,
+                             "First axis, fixed to the first body; second, fixed to the second; perpendicular as drawn"))};
+    case PlacementRule::kPointNormal:
+      return {place_field(),
+              required(field("normal", K::kAxis, kOfPureNumber, "Normal of the plane, fixed to the first body"))};
+    case PlacementRule::kTwoPoints:
+      return {required(field("points", K::kPoints, kOfLength, "End on the first body, end on the second")),
+              field("length", K::kNumber, kOfLength, "Distance of the ends", "as drawn")};
+    case PlacementRule::kMesh: {
+      FieldInfo mesh_axis = axis;
+      mesh_axis.doc = "Direction of the two gears' axes";
+      mesh_axis.default_text = "that of the bodies' revolute joints";
+      return {place_field(),
+              required(field("line_of_action", K::kDirection, kOfPureNumber, "Along it the teeth press on each other")),
+              mesh_axis,
+              field("centers", K::kPointPair, kOfLength, "Centre of the first gear and of the second, as drawn",
+                    "the points of the bodies' revolute joints")};
+    }
+    case PlacementRule::kNone:
+      break;
+  }
+  FieldInfo at = place_field();
+  at.required = false;
+  at.doc = "Point of the second body whose motion the coordinates are";
+  at.default_text = "the second body's mass centre, else the origin of its pose";
+  return {at};
+}
+
+std::string joint_doc(const JointTypeInfo& info) {
+  std::string coordinates;
+  for (const CoordinateInfo& coordinate : info.coordinates) {
+    coordinates += (coordinates.empty() ? "" : ", ") + std::string("`") + std::string(coordinate.name) + "`";
+  }
+  return "Freedoms " + std::to_string(info.freedoms()) + ", constraint rows " + std::to_string(info.row_count()) +
+         (coordinates.empty() ? ", no coordinates." : "; coordinates: " + coordinates + ".");
+}
+
+ObjectType joint_type(const JointTypeInfo& info) {
+  const bool vowel = std::string_view("aeiou").find(info.name.front()) != std::string_view::npos;
+  ObjectType type{info.name, (vowel ? "an " : "a ") + std::string(info.name) + " joint", joint_doc(info), {}};
+  type.fields.push_back(required(field("bodies", K::kNamePair, {}, "First and second body")));
+  for (FieldInfo& placement : placement_fields(info.placement)) type.fields.push_back(std::move(placement));
+  if (info.type == JointType::kScrew) {
+    type.fields.push_back(
+        required(field("lead", K::kNumber, kOfLength, "Advance of the second body per turn, right-handed")));
+  }
+  const bool x_is_open = info.placement == PlacementRule::kPointAxis ||
+                         info.placement == PlacementRule::kPointNormal || info.placement == PlacementRule::kTwoPoints;
+  if (x_is_open) {
+    type.fields.push_back(field("x", K::kDirection, kOfPureNumber,
+                                "Direction of the x axis of the joint's frame, made perpendicular to z",
+                                "the world axis least aligned with z"));
+  }
+  type.fields.push_back(object_field("stiffness", K::kObject, Family::kJointStiffness,
+                                     "Stiffness by which reactions that statics leaves open are divided", "rigid"));
+  type.fields.push_back(object_field("misalignment", K::kObject, Family::kMisalignment,
+                                     "Where the second body's seat lies off its drawn place", "none"));
+  if (info.coordinates.size() == 1) {
+    type.fields.push_back(field("limits", K::kNumberPair, kOfCoordinate, "Least and greatest value of the coordinate",
+                                "none"));
+  }
+  if (info.freedoms() > 0) {
+    type.fields.push_back(object_field("friction", K::kObject, Family::kFriction, "Friction in the joint", "none"));
+  }
+  return type;
+}
+
+ObjectFamily joint_family() {
+  ObjectFamily family{Family::kJoint, "joint", "a joint", "type", false, {},
+                      "Joins two bodies. As drawn, every joint coordinate is zero. A coordinate is the motion of the second "
+                      "body relative to the first.",
+                      {}};
+  for (const JointTypeInfo* info : all_joint_types()) family.types.push_back(joint_type(*info));
+  return family;
+}
+
+ObjectFamily single(Family id, std::string_view name, std::string_view title, std::string doc,
+                    std::vector<FieldInfo> fields) {
+  ObjectFamily family{id, name, title, {}, false, {}, std::move(doc), {}};
+  family.types.push_back({{}, std::string(title), {}, std::move(fields)});
+  return family;
+}
+
+ObjectFamily coupling_family() {
+  ObjectFamily family{Family::kCoupling, "coupling", "a coupling", "type", false, {},
+                      "Joins joint coordinates; holds as drawn, where all are zero.", {}};
+  family.types = {
+      {"gear",
+       "a gear coupling",
+       "With `joints: [a, b]`: b = ratio · a.",
+       {required(field("joints", K::kCoordinateList, {}, "Two joints, or joint.coordinate")),
+        required(field("ratio", K::kNumber, kOfAny, "Second coordinate per first; rad per m and the like where they differ"))}},
+      {"linear",
+       "a linear coupling",
+       "Σ coefficient · coordinate = 0.",
+       {required(field("joints", K::kCoordinateList, {}, "Joints, or joint.coordinate")),
+        required(field("coefficients", K::kNumberList, kOfAny, "One per joint"))}},
+  };
+  return family;
+}
+
+}  // namespace
+
+std::vector<ObjectFamily> make_joint_families() {
+  return {
+      joint_family(),
+      single(Family::kJointStiffness, "joint_stiffness", "a joint's stiffness",
+             "In the joint's frame; one number stands for three, the word `rigid` for a component that does not give.",
+             {field("force", K::kStiffness3, kOfStiffness, "Along x, y, z", "rigid"),
+              field("moment", K::kStiffness3, kOfTorsionStiffness, "About x, y, z", "rigid")}),
+      single(Family::kMisalignment, "misalignment", "a misalignment",
+             "Displacement of the second body's seat from its drawn place, in the joint's frame.",
+             {field("translation", K::kVector3, kOfLength, "Along x, y, z", "[0, 0, 0]"),
+              field("rotation", K::kVector3, kOfAngle, "About x, y, z (a small rotation vector)", "[0, 0, 0]")}),
+      single(Family::kFriction, "friction", "a joint's friction", "Friction along the joint's freedoms.",
+             {field("viscous", K::kNumber, kOfCoordinateDamping, "Effort per speed", "0"),
+              field("coulomb", K::kNumber, kOfPureNumber, "Dry friction coefficient", "0"),
+              field("radius", K::kNumber, kOfLength, "Radius at which dry friction acts in a turning joint", "0")}),
+      coupling_family(),
+  };
+}
+
+}  // namespace ferrers
