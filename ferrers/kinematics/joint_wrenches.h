@@ -1,0 +1,54 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "ferrers/kinematics/constraints.h"
+#include "ferrers/kinematics/scaling.h"
+
+/// Problem: multipliers live on the cut joints' rows only. A reaction or a self-stress loads every joint.
+///
+/// Given: the multipliers of the closure rows, forces on the bodies and efforts in the joints. Wanted: the multipliers of all
+/// joints' rows. Each tree joint carries what its outboard side needs for equilibrium; what its rows cannot carry is the
+/// effort along its freedoms. Cost: O(bodies + rows).
+namespace ferrers {
+
+/// Rows of every joint and coupling in the order of the file (closure rows are some of them).
+struct AllRows {
+  std::vector<int> first;          ///< Per joint, then per coupling: first row.
+  std::vector<int> count;
+  std::vector<std::string> names;  ///< "joint/force_x"; a coupling's name.
+  VectorXd scale;                  ///< Like Scaling::rows.
+  std::vector<int> closure_row;    ///< Row of phi and G, or −1 for a tree joint's row.
+  int size() const { return static_cast<int>(names.size()); }
+};
+AllRows make_all_rows(const System& system, const Scaling& scaling);
+
+/// One joint's rows at a pose: where they act and their wrenches on the second body.
+struct JointFrameWrenches {
+  RelativeMotion motion;
+  Vector3d p_M = Vector3d::Zero();                                    ///< World, m.
+  Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6> T;                ///< 6 × rows, (moment, force) at p_M, world axes.
+};
+
+/// All joints' row wrenches at one pose.
+std::vector<JointFrameWrenches> compute_joint_frame_wrenches(const System& system, const State& state,
+                                                             const PositionKinematics& pos);
+
+/// Wrench per unit effort along scalar coordinate `index` of a joint, on its second body at p_M.
+Wrench effort_wrench(const System& system, JointCoordinate coordinate, const JointFrameWrenches& joint);
+
+/// What loads the mechanism besides the tree joints' reactions.
+struct Loads {
+  std::vector<Wrench> on_nodes;  ///< Per node, at its origin, world axes: applied minus inertia forces.
+  VectorXd lambda;               ///< m: multipliers of the closure rows.
+  VectorXd tree_efforts;         ///< nv: efforts along tree coordinates (drives, springs), without couplings.
+};
+Loads make_loads(const System& system);
+
+/// Multipliers of all rows that balance the loads (AllRows::size()).
+VectorXd distribute_to_joints(const System& system, const AllRows& rows, const Scaling& scaling,
+                              const PositionKinematics& pos, const std::vector<JointFrameWrenches>& joints,
+                              Loads loads);
+
+}  // namespace ferrers

@@ -1,0 +1,130 @@
+#include "ferrers/math/rank.h"
+
+#include <Eigen/QR>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+
+namespace ferrers {
+namespace {
+
+constexpr double kSurelyNonzero = 1e-5;
+constexpr double kSurelyZero = 1e-10;
+constexpr double kConfidentGap = 1e4;
+constexpr double kLargestGap = 1e16;
+constexpr double kWornPivot = 1e-3;
+
+double gap_between(double upper, double lower) {
+  return lower <= upper / kLargestGap ? kLargestGap : upper / lower;
+}
+
+// Both null spaces and the decomposition they come from.
+Eigen::BDCSVD<Eigen::MatrixXd> decompose(const Eigen::MatrixXd& A) {
+  return Eigen::BDCSVD<Eigen::MatrixXd>(A, Eigen::ComputeFullU | Eigen::ComputeFullV);
+}
+
+}  // namespace
+
+RankDecision decide_rank(Eigen::VectorXd singular_values, double scale) {
+  RankDecision d;
+  d.singular_values = std::move(singular_values);
+  const Eigen::VectorXd& s = d.singular_values;
+  const int n = static_cast<int>(s.size());
+  if (scale <= 0) scale = n > 0 ? s[0] : 0;
+  d.gap = kLargestGap;
+  if (scale <= 0) {
+    d.full = n == 0;
+    return d;
+  }
+  int sure = 0;  // surely nonzero
+  while (sure < n && s[sure] > kSurelyNonzero * scale) ++sure;
+  int possible = sure;  // not surely zero
+  while (possible < n && s[possible] > kSurelyZero * scale) ++possible;
+  // Cut where the ratio of neighbours is widest; the ends count against the bounds themselves.
+  const auto value = [&](int i) {
+    if (i < 0) return scale;
+    return i < n ? std::max(s[i], scale / kLargestGap) : kSurelyZero * scale;
+  };
+  d.rank = sure;
+  double widest = 0, second = 0;
+  int runner_up = sure;
+  for (int cut = sure; cut <= possible; ++cut) {
+    const double ratio = value(cut - 1) / value(cut);
+    if (ratio > widest) {
+      second = widest;
+      runner_up = d.rank;
+      widest = ratio;
+      d.rank = cut;
+    } else if (ratio > second) {
+      second = ratio;
+      runner_up = cut;
+    }
+  }
+  d.full = d.rank == n;
+  if (!d.full) d.gap = d.rank > 0 ? gap_between(s[d.rank - 1], s[d.rank]) : gap_between(scale, s[0]);
+  d.confident = possible == sure && d.gap >= kConfidentGap;
+  d.other_rank = d.confident ? d.rank : runner_up;
+  return d;
+}
+
+bool is_negligible(double value, double scale) { return std::abs(value) <= std::sqrt(kSurelyZero * kSurelyNonzero) * scale; }
+
+bool is_worn_pivot(double pivot, double healthy) { return !(std::abs(pivot) > kWornPivot * std::abs(healthy)); }
+
+RankAnalysis analyze_rank(const Eigen::MatrixXd& A, double scale) {
+  const int m = static_cast<int>(A.rows()), n = static_cast<int>(A.cols());
+  if (m == 0 || n == 0) {
+    return {decide_rank(Eigen::VectorXd()), Eigen::MatrixXd::Identity(m, m), Eigen::MatrixXd::Identity(n, n)};
+  }
+  const auto svd = decompose(A);
+  RankAnalysis out;
+  out.decision = decide_rank(svd.singularValues(), scale);
+  const int r = out.decision.rank;
+  out.left_null = svd.matrixU().rightCols(m - r);
+  out.right_null = svd.matrixV().rightCols(n - r);
+  return out;
+}
+
+RankAnalysis split_by_rank(const Eigen::MatrixXd& A, int rank) {
+  const int m = static_cast<int>(A.rows()), n = static_cast<int>(A.cols());
+  if (m == 0 || n == 0) return analyze_rank(A);
+  const auto svd = decompose(A);
+  RankAnalysis out;
+  out.decision = decide_rank(svd.singularValues());
+  out.decision.rank = rank;
+  out.left_null = svd.matrixU().rightCols(m - rank);
+  out.right_null = svd.matrixV().rightCols(n - rank);
+  return out;
+}
+
+std::vector<int> choose_independent_columns(const Eigen::MatrixXd& A, int rank) {
+  std::vector<int> columns;
+  if (rank > 0) {
+    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(A);
+    for (int i = 0; i < rank; ++i) columns.push_back(static_cast<int>(qr.colsPermutation().indices()[i]));
+  }
+  std::sort(columns.begin(), columns.end());
+  return columns;
+}
+
+std::vector<int> choose_independent_rows(const Eigen::MatrixXd& A, int rank) {
+  return choose_independent_columns(A.transpose(), rank);
+}
+
+LeastNormResult solve_least_norm(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) {
+  LeastNormResult out;
+  out.x = Eigen::VectorXd::Zero(A.cols());
+  if (A.rows() == 0 || A.cols() == 0) {
+    out.residual = b.norm();
+    return out;
+  }
+  const Eigen::BDCSVD<Eigen::MatrixXd> svd(A, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  out.decision = decide_rank(svd.singularValues());
+  const int r = out.decision.rank;
+  out.x = svd.matrixV().leftCols(r) *
+          (svd.matrixU().leftCols(r).transpose() * b).cwiseQuotient(svd.singularValues().head(r));
+  out.residual = (A * out.x - b).norm();
+  return out;
+}
+
+}  // namespace ferrers

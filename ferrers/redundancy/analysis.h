@@ -1,0 +1,69 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "ferrers/kinematics/assembly.h"
+#include "ferrers/kinematics/joint_wrenches.h"
+#include "ferrers/math/rank.h"
+
+/// Problem: of m closure rows some follow from the others; multipliers on them are not unique, reactions of some joints
+/// are all the same.
+///
+/// Given: a system at an assembled configuration. Wanted: the rank r of G with its certainty, a selection of r
+/// independent rows and of w = n − r independent coordinates [stepanyan, eq. (2)], the self-stresses Z over all joints'
+/// rows (G_all^T Z = 0), and from them which reaction components every solution shares: those with a zero row in Z. The
+/// unique part of a joint's wrench has dimension rows − rank(Z_joint), in any axes.
+/// Once decided, evaluation uses the `Selection` only and compares nothing with a tolerance.
+/// Cost: O(Σ over clusters of m n min(m, n)).
+namespace ferrers {
+
+/// The decision that evaluation runs on.
+struct Selection {
+  std::vector<int> rows;         ///< r independent rows of G, ascending.
+  std::vector<int> dependent;    ///< r coordinates that they determine, ascending.
+  std::vector<int> independent;  ///< The other n − r, ascending.
+  double smallest_pivot = 1;     ///< Of the chosen block, scaled, when it was chosen.
+};
+
+/// What every solution shares of one joint's (or coupling's) reaction.
+struct ReactionUniqueness {
+  std::string joint;
+  int rows = 0;
+  std::vector<bool> unique;    ///< Per row.
+  int unique_dimension = 0;    ///< rows − rank(Z_joint).
+  bool participates = false;   ///< Some self-stress loads it.
+};
+
+struct RedundancyReport {
+  int bodies = 0, joints = 0;
+  int constraint_rows = 0, rank = 0, mobility = 0, redundant = 0, grubler = 0;  ///< Over all joints, 6 velocities a body.
+  int closure_coordinates = 0, closure_rows = 0, closure_rank = 0;              ///< n, m, r in tree coordinates.
+  RankDecision decision;                    ///< On the scaled closure Jacobian.
+  double characteristic_length_m = 1;
+  Selection selection;
+  std::vector<int> excluded_rows;           ///< Rows of G left out.
+  std::vector<std::string> excluded_row_names, independent_coordinate_names;
+  MatrixXd self_stresses;                   ///< Z: all rows × redundant, columns orthonormal in scaled units.
+  std::vector<ReactionUniqueness> reactions;///< Joints in file order, then couplings.
+  AllRows rows;
+  double inconsistency = 0;                 ///< Largest |Zᵀ phi|, m: how far the geometry contradicts itself.
+};
+
+/// Analyses redundancy at `state` (which must be assembled).
+RedundancyReport analyze_redundancy(const System& system, const State& state);
+
+/// Only the rank decision and the selection, for use along a motion. `preferred_independent`: velocity indices to keep
+/// independent where that is well conditioned.
+Selection select_independent(const System& system, const Scaling& scaling, const ConstraintKinematics& constraints,
+                             RankDecision* decision = nullptr);
+
+/// Selection with the rank of each cluster as it was decided in `previous`, rows and coordinates chosen anew.
+Selection reselect(const System& system, const Scaling& scaling, const ConstraintKinematics& constraints,
+                   const Selection& previous);
+
+/// A reaction component `direction` (6, world, at p_M) of a joint is unique when no self-stress works on it.
+bool is_unique_component(const Eigen::Matrix<double, 6, 1>& direction, const JointFrameWrenches& joint,
+                         const Eigen::Ref<const MatrixXd>& Z_joint, double length_m);
+
+}  // namespace ferrers
