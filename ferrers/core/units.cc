@@ -195,6 +195,11 @@ std::optional<Unit> parse_unit(std::string_view text) {
   return Unit{si, scaled->dimension};
 }
 
+double to_si(double value, const Unit& unit) {
+  const double parts = 1.0 / unit.si;
+  return parts > 1.0 && parts == std::floor(parts) ? value / parts : value * unit.si;
+}
+
 std::string to_string(const Dimension& dimension) {
   static constexpr struct {
     Dimension dimension;

@@ -38,10 +38,13 @@ struct Unit {
   Dimension dimension;
 };
 
-/// Reads a unit: names with SI prefixes joined by `*`, `·`, `/` and powers (`N*m`, `kg*m^2`, `mm/s²`, `deg`, `rpm`, `in`),
-/// worked off from left to right: `N/m*s` is (N/m)·s. A leading `1/` is allowed. `Hz` is no unit: ambiguous by 2π.
-/// Empty when the text is no unit. Cost: O(length).
+/// Reads a unit: names with SI prefixes joined by `*`, `·`, `/` and powers (`N*m`, `kg*m^2`, `mm/s²`, `deg`, `rpm`,
+/// `in`), worked off from left to right: `N/m*s` is (N/m)·s. A leading `1/` is allowed. `Hz` is no unit: ambiguous by
+/// 2π. Empty when the text is no unit. Cost: O(length).
 std::optional<Unit> parse_unit(std::string_view text);
+
+/// `value` in SI. Units that are a whole fraction of the SI unit divide, so that `0.7 mm^2` is the double nearest 7e-7.
+double to_si(double value, const Unit& unit);
 
 /// The dimension in the words of the field, for messages: "N/m", "kg*m^2", "a pure number".
 std::string to_string(const Dimension& dimension);

@@ -201,14 +201,15 @@ Expression Expression::derivative(std::string_view name) const {
     const int u = value[a], w = b < 0 ? -1 : value[b];
     const int f = algebra.make(node.op, u, w, c < 0 ? -1 : value[c]);
     value.push_back(f);
-    if (node.op == Op::kIf) {
-      slope.push_back(slope[b] == slope[c] ? slope[b] : algebra.make(Op::kIf, u, slope[b], slope[c]));
+    const auto flat = [&](int arg) { return arg < 0 || algebra.is(slope[arg], 0); };
+    if (node.op == Op::kIf ? flat(b) && flat(c) : flat(a) && flat(b)) {
+      slope.push_back(algebra.number(0));
+    } else if (node.op == Op::kIf) {
+      slope.push_back(algebra.make(Op::kIf, u, slope[b], slope[c]));
     } else if (node.op == Op::kNegate) {
       slope.push_back(algebra.negate(slope[a]));
     } else if (b >= 0) {
       slope.push_back(binary_derivative(algebra, node.op, u, w, slope[a], slope[b], f));
-    } else if (algebra.is(slope[a], 0)) {
-      slope.push_back(slope[a]);
     } else {
       slope.push_back(algebra.multiply(outer_derivative(algebra, node.op, u, f), slope[a]));
     }

@@ -138,7 +138,7 @@ class Parser {
     const std::size_t begin = scan_.position();
     if (scan_.take("(")) {
       const int inner = sum();
-      if (inner == kBroken || !close_parenthesis(begin)) return kBroken;
+      if (inner == kBroken || !close_parenthesis(begin, "an operator or ')'")) return kBroken;
       last_unit_literal_ = kBroken;
       return inner;
     }
@@ -185,7 +185,7 @@ class Parser {
   bool literal_unit(ExpressionNode& node, std::size_t begin) {
     const std::string_view text = scan_.take_unit();
     const std::optional<Unit> unit = parse_unit(text);
-    if (!unit || !std::isfinite(node.value * unit->si)) {
+    if (!unit || !std::isfinite(to_si(node.value, *unit))) {
       const std::string_view word = text.empty() ? scan_.take_name() : text;
       const std::string_view shown = word.empty() ? scan_.unit_word() : word;
       if (word.empty()) scan_.move_to(begin + shown.size());
@@ -194,7 +194,7 @@ class Parser {
       return true;
     }
     node.written = node.value;
-    node.value = node.written * unit->si;
+    node.value = to_si(node.written, *unit);
     node.text = builder_.text(text);
     return true;
   }
@@ -213,7 +213,7 @@ class Parser {
         args.push_back(is_condition ? condition() : sum());
         if (args.back() == kBroken) return kBroken;
       } while (scan_.take(","));
-      if (!close_parenthesis(open)) return kBroken;
+      if (!close_parenthesis(open, "an operator, ',' or ')'")) return kBroken;
     }
     if (function == nullptr) return builder_.literal(0);
     const int count = static_cast<int>(args.size());
@@ -246,15 +246,15 @@ class Parser {
       const int right = sum();
       return right == kBroken ? kBroken : node(op, at, sign.size(), left, right);
     }
-    return unexpected("a comparison (<, <=, >, >=)");
+    return unexpected("a comparison (<, <=, >, >=)", "write if(a < b, then, else)");
   }
 
-  bool close_parenthesis(std::size_t open) {
+  bool close_parenthesis(std::size_t open, std::string_view wanted) {
     if (scan_.take(")")) return true;
     if (scan_.at_end()) {
       report("F401", open, open + 1, "this '(' is never closed");
     } else {
-      unexpected("an operator, ',' or ')'");
+      unexpected(wanted);
     }
     return false;
   }
@@ -267,14 +267,16 @@ class Parser {
     return builder_.add(made);
   }
 
-  int unexpected(std::string_view wanted) {
+  int unexpected(std::string_view wanted, std::string_view hint = {}) {
     scan_.skip_spaces();
     const std::size_t at = scan_.position();
     if (scan_.at_end()) {
-      report("F401", size_, size_ + 1, fmt::format("the formula ends where {} was expected", wanted));
+      report("F401", size_, size_ + 1, fmt::format("the formula ends where {} was expected", wanted),
+             std::string(hint));
     } else {
       const std::size_t end = at + scan_.character_length();
-      report("F401", at, end, fmt::format("expected {}, got {}", wanted, scan_.shown_character()), character_advice());
+      report("F401", at, end, fmt::format("expected {}, got {}", wanted, scan_.shown_character()),
+             hint.empty() ? character_advice() : std::string(hint));
     }
     return kBroken;
   }
