@@ -97,6 +97,7 @@ class ExpressionProgram {
   double evaluate(const double* values) const;
 
   int register_count() const { return register_count_; }
+  int instruction_count() const;
 
  private:
   struct Instruction;

@@ -34,11 +34,11 @@ class Algebra {
   }
 
   int make(Op op, int a, int b = -1, int c = -1) {
+    if (const int simple = simplified(op, a, b, c); simple >= 0) return simple;
     if (is_constant(a) && (b < 0 || is_constant(b)) && op != Op::kIf) {
       const double value = apply_expression_op(op, node(a).value, b < 0 ? 0 : node(b).value, 0);
       if (std::isfinite(value)) return number(value);
     }
-    if (const int simple = simplified(op, a, b, c); simple >= 0) return simple;
     ExpressionNode made;
     made.op = op;
     made.args = {a, b, c};

@@ -103,6 +103,8 @@ ExpressionProgram::ExpressionProgram(const Expression& expression, std::span<con
   code_ = std::make_shared<const std::vector<Instruction>>(std::move(code));
 }
 
+int ExpressionProgram::instruction_count() const { return static_cast<int>(code_->size()); }
+
 double ExpressionProgram::evaluate(const double* values) const {
   constexpr int kSmall = 64, kLarge = 4096;
   if (register_count_ <= kSmall) {
