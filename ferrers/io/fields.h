@@ -62,8 +62,8 @@ struct Quantity {
 };
 
 enum class Family {
-  kModel, kParameter, kBody, kInertia, kPose, kRotation, kJoint, kJointStiffness, kMisalignment, kFriction, kCoupling,
-  kForce, kBushingStiffness, kBushingDamping, kDrive, kInitial, kRecord, kEvent, kLawFile,
+  kModel, kParameter, kBody, kBodyInertia, kPose, kRotation, kJoint, kJointStiffness, kMisalignment, kFriction, kCoupling,
+  kForceElement, kBushingStiffness, kBushingDamping, kDrive, kInitial, kRecord, kEvent, kLawFile,
 };
 
 struct FieldInfo {

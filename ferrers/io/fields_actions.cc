@@ -21,7 +21,7 @@ FieldInfo axes_field() {
 }
 
 ObjectFamily force_family() {
-  ObjectFamily family{Family::kForce, "force", "a force", "type", false, {},
+  ObjectFamily family{Family::kForceElement, "force", "a force", "type", false, {},
                       "What acts on bodies besides gravity, joints and drives.", {}};
   family.types = {
       {"spring",

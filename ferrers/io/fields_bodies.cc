@@ -21,7 +21,7 @@ ObjectFamily model_family() {
                               "Rigid bodies; `ground` always exists and is not written here")),
         object_field("joints", K::kNamedObjects, Family::kJoint, "Joints between two bodies each"),
         object_field("couplings", K::kNamedObjects, Family::kCoupling, "Linear relations between joint coordinates"),
-        object_field("forces", K::kNamedObjects, Family::kForce, "Springs, dampers and given forces"),
+        object_field("forces", K::kNamedObjects, Family::kForceElement, "Springs, dampers and given forces"),
         object_field("drives", K::kNamedObjects, Family::kDrive, "Motors: given motions and given efforts"),
         object_field("initial", K::kNamedLists, Family::kInitial,
                      "By joint: where it starts and how fast; a list of maps for several of its coordinates"),
@@ -55,7 +55,7 @@ ObjectFamily body_family() {
        {field("mass", K::kNumber, kOfMass, "Mass; `analyze` needs none", "not given"),
         field("com", K::kVector3, kOfLength, "Mass centre; needed with a mass unless the shape has end points",
               "the middle of the shape's end points"),
-        object_field("inertia", K::kObject, Family::kInertia, "Inertia about the mass centre", "a point mass"),
+        object_field("inertia", K::kObject, Family::kBodyInertia, "Inertia about the mass centre", "a point mass"),
         object_field("pose", K::kObject, Family::kPose,
                      "Frame of the body in the world: its `com`, inertia and places given per body are in this frame",
                      "the world frame")}});
@@ -65,7 +65,7 @@ ObjectFamily body_family() {
 ObjectFamily inertia_family() {
   const FieldInfo rotation = object_field("rotation", K::kObject, Family::kRotation,
                                       "Turns the axes of the tensor or shape", "none");
-  ObjectFamily family{Family::kInertia, "inertia", "an inertia", "shape", true, {},
+  ObjectFamily family{Family::kBodyInertia, "inertia", "an inertia", "shape", true, {},
                       "Inertia about the mass centre: a tensor (no `shape`), or a solid and uniform shape with the body's "
                       "mass.",
                       {}};
