@@ -33,9 +33,6 @@ using OnBoth = std::array<Vector3d, 2>;
 /// Positions of the names of one kind in their list.
 using NameIndex = std::unordered_map<std::string, int>;
 
-/// "did you mean 'x'?", for the known name nearest to `name`; empty when none is near.
-std::string suggest_name(std::string_view name, const std::vector<std::string_view>& known);
-
 /// Makes a `Model` of a specification, in one pass per section, collecting diagnostics.
 ///
 /// Errors do not stop the pass: a number that cannot be had is NaN and everything that follows from it stays silent,
@@ -87,7 +84,8 @@ class ModelAssembler {
 
   // build_places.cc
   std::optional<Vector3d> direction(const Number3& n, Field field);
-  std::array<const Number3*, 2> on_bodies(const PlaceSpec& place, Field field, const BodyPair& pair, bool both);
+  std::array<const Number3*, 2> on_bodies(const PlaceSpec& place, Field field, const BodyPair& pair,
+                                          std::array<bool, 2> needed);
   std::optional<OnBoth> points_on_both(const PlaceSpec& place, Field field, const BodyPair& pair);
   std::optional<OnBoth> directions_on_both(const PlaceSpec& place, Field field, const BodyPair& pair);
   std::optional<Vector3d> direction_on(int which, const PlaceSpec& place, Field field, const BodyPair& pair);

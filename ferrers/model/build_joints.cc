@@ -92,7 +92,7 @@ void ModelAssembler::place_on_axis(const JointSpec& spec, const BodyPair& pair, 
   const std::optional<OnBoth> points = points_on_both(spec.place, {"at", spec.name}, pair);
   std::optional<OnBoth> axes;
   if (belongs_to_first_only(spec.type)) {
-    if (spec.axis.given() && !spec.axis.drawn) on_bodies(spec.axis, {key, spec.name}, pair, false);
+    if (spec.axis.given() && !spec.axis.drawn) on_bodies(spec.axis, {key, spec.name}, pair, {true, false});
     const std::optional<Vector3d> axis = direction_on(0, spec.axis, {key, spec.name}, pair);
     if (axis) axes = OnBoth{*axis, *axis};
   } else {
@@ -119,9 +119,8 @@ void ModelAssembler::place_on_axis(const JointSpec& spec, const BodyPair& pair, 
 void ModelAssembler::place_on_two_axes(const JointSpec& spec, const BodyPair& pair, Joint& joint) {
   const Field field{"axes", spec.name};
   const std::optional<OnBoth> points = points_on_both(spec.place, {"at", spec.name}, pair);
-  for (const PlaceSpec* axis : {&spec.axis, &spec.axis2}) {
-    if (axis->given() && !axis->drawn) on_bodies(*axis, field, pair, false);
-  }
+  if (!spec.axis.drawn && spec.axis.given()) on_bodies(spec.axis, field, pair, {true, false});
+  if (!spec.axis2.drawn && spec.axis2.given()) on_bodies(spec.axis2, field, pair, {false, true});
   const std::optional<Vector3d> first = direction_on(0, spec.axis, field, pair);
   const std::optional<Vector3d> second = direction_on(1, spec.axis2, field, pair);
   if (!points || !first || !second) return;
@@ -199,12 +198,14 @@ void ModelAssembler::build_joint_extras(const JointSpec& spec, Joint& joint) {
   if (spec.friction) joint.friction = friction(*spec.friction, joint, spec.name);
 }
 
-/// Force then moment stiffness; a part that is not given is rigid.
+/// Force then moment stiffness; a part that is not given is rigid (infinite), and so may single entries be.
 Vector6d ModelAssembler::stiffness(const StiffnessSpec& spec, const NameRef& owner) {
   Vector6d values = Vector6d::Constant(std::numeric_limits<double>::infinity());
   const auto fill = [&](const std::optional<Number3>& part, int at, Dimension wanted, std::string_view key) {
     for (std::size_t i = 0; part && i < 3; ++i) {
-      const double k = number((*part)[i], wanted, {key, owner});
+      const Number& given = (*part)[i];
+      const bool rigid = !given.expression && given.value == std::numeric_limits<double>::infinity();
+      const double k = rigid ? given.value : number(given, wanted, {key, owner});
       values[at + static_cast<int>(i)] = k;
       if (k > 0 || std::isnan(k)) continue;
       diagnostics_.error("F325", place_of((*part)[i], {key, owner}),

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "ferrers/core/closest_name.h"
 #include "ferrers/model/build_internal.h"
 
 namespace ferrers {
@@ -119,7 +120,7 @@ std::optional<LawInput> ModelAssembler::law_input(const ExpressionName& name, La
   if (dot == std::string::npos) {
     std::vector<std::string_view> known = {"t"};
     for (const Parameter& parameter : model_.parameters_) known.push_back(parameter.name);
-    std::string hint = suggest_name(name.name, known);
+    std::string hint = did_you_mean(name.name, known);
     if (hint.empty() && joint_index_.count(name.name) != 0) {
       hint = fmt::format("the joint's coordinate is '{}.position'", name.name);
     }

@@ -67,6 +67,7 @@ void ModelAssembler::build_mesh(const JointSpec& spec, Joint& joint) {
     diagnostics_.error("F317", spec.name.at, fmt::format("'{}' needs 'line_of_action'", spec.name.name),
                        "the direction of the force between the teeth");
   }
+  if (spec.axis.given() && !spec.axis.drawn) on_bodies(spec.axis, {"axis", spec.name}, pair, {true, false});
   if (spec.axis.given()) mesh.axis = direction_on(0, spec.axis, {"axis", spec.name}, pair);
   for (std::size_t i = 0; spec.centers && i < 2; ++i) {
     mesh.centers[i] = vector((*spec.centers)[i], kLength, {"centers", spec.name});

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "ferrers/core/closest_name.h"
 #include "ferrers/model/build_internal.h"
 
 namespace ferrers {
@@ -16,39 +17,7 @@ bool is_valid_name(std::string_view name) {
   return std::all_of(name.begin(), name.end(), [](char c) { return is_letter(c) || (c >= '0' && c <= '9'); });
 }
 
-/// Number of letters to add, drop or change between two words (Levenshtein), by rows of the usual table.
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t j = 0; j < row.size(); ++j) row[j] = j;
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t changed = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-      diagonal = row[j];
-      row[j] = std::min({row[j] + 1, row[j - 1] + 1, changed});
-    }
-  }
-  return row.back();
-}
-
 }  // namespace
-
-std::string suggest_name(std::string_view name, const std::vector<std::string_view>& known) {
-  constexpr std::size_t kLongest = 64;  // longer names are not worth the quadratic comparison
-  if (name.size() > kLongest) return {};
-  std::string_view best;
-  std::size_t best_distance = std::max<std::size_t>(1, name.size() / 3) + 1;
-  for (const std::string_view candidate : known) {
-    if (candidate.size() > name.size() + 3 || name.size() > candidate.size() + 3) continue;
-    const std::size_t distance = edit_distance(name, candidate);
-    if (distance < best_distance) {
-      best = candidate;
-      best_distance = distance;
-    }
-  }
-  return best.empty() ? std::string() : fmt::format("did you mean '{}'?", best);
-}
 
 void ModelAssembler::check_name(const NameRef& name, std::string_view kind) {
   if (is_valid_name(name.name)) return;
@@ -100,7 +69,7 @@ std::optional<int> ModelAssembler::find(const NameIndex& index, const NameRef& n
   diagnostics_.error(
       code, place_or(name.at, field.owner),
       fmt::format("'{}' of '{}' names the {} '{}', which does not exist", field.key, field.owner.name, kind, name.name),
-      suggest_name(name.name, known));
+      did_you_mean(name.name, known));
   return std::nullopt;
 }
 

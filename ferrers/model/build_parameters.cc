@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "ferrers/core/closest_name.h"
 #include "ferrers/model/build_internal.h"
 
 namespace ferrers {
@@ -47,7 +48,7 @@ void ModelAssembler::check_overrides() {
   for (const ParameterSpec& spec : spec_->parameters) known.push_back(spec.name.name);
   for (const auto& [name, value] : overrides_) {
     if (parameter_index_.count(name) == 0) {
-      diagnostics_.error("F310", {}, fmt::format("there is no parameter '{}' to set", name), suggest_name(name, known));
+      diagnostics_.error("F310", {}, fmt::format("there is no parameter '{}' to set", name), did_you_mean(name, known));
     } else if (!std::isfinite(value)) {
       diagnostics_.error("F309", {},
                          fmt::format("the value given for the parameter '{}' is not a finite number", name));
@@ -216,7 +217,7 @@ void ModelAssembler::check_dimension(const Expression& expression, std::optional
 void ModelAssembler::report_unknown_name(const ExpressionName& name, Field field) {
   std::vector<std::string_view> known;
   for (const Parameter& parameter : model_.parameters_) known.push_back(parameter.name);
-  std::string hint = suggest_name(name.name, known);
+  std::string hint = did_you_mean(name.name, known);
   if (name.name == "t") hint = "the time 't' is known in laws only";
   if (name.name.find('.') != std::string::npos) hint = "joint coordinates are known in efforts and forces only";
   diagnostics_.error(

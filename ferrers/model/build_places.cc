@@ -22,9 +22,10 @@ std::optional<Vector3d> ModelAssembler::direction(const Number3& n, Field field)
   return std::nullopt;
 }
 
-/// Sorts the entries of a place that is given body by body. `both`: an entry for each of the two bodies is needed.
+/// Sorts the entries of a place that is given body by body. `needed`: which of the two
+/// bodies must have an entry.
 std::array<const Number3*, 2> ModelAssembler::on_bodies(const PlaceSpec& place, Field field, const BodyPair& pair,
-                                                        bool both) {
+                                                        std::array<bool, 2> needed) {
   std::array<const Number3*, 2> sorted = {nullptr, nullptr};
   for (const auto& [name, value] : place.on_body) {
     const int which = name.name == pair.names[0].name ? 0 : name.name == pair.names[1].name ? 1 : -1;
@@ -40,12 +41,12 @@ std::array<const Number3*, 2> ModelAssembler::on_bodies(const PlaceSpec& place, 
       sorted[static_cast<std::size_t>(which)] = &value;
     }
   }
-  for (std::size_t i = 0; both && i < 2; ++i) {
-    if (sorted[i] != nullptr) continue;
+  for (std::size_t i = 0; i < 2; ++i) {
+    if (sorted[i] != nullptr || !needed[i]) continue;
     diagnostics_.error(
         "F320", place_or(place.at, field.owner),
         fmt::format("'{}' of '{}' does not say where it sits on '{}'", field.key, field.owner.name, pair.names[i].name),
-        "given body by body, both bodies must be named");
+        needed[0] && needed[1] ? "given body by body, both bodies must be named" : "");
   }
   return sorted;
 }
@@ -59,7 +60,7 @@ std::optional<OnBoth> ModelAssembler::points_on_both(const PlaceSpec& place, Fie
     const Vector3d point = vector(*place.drawn, kLength, field);
     return point.allFinite() ? std::optional(OnBoth{point, point}) : std::nullopt;
   }
-  const std::array<const Number3*, 2> given = on_bodies(place, field, pair, true);
+  const std::array<const Number3*, 2> given = on_bodies(place, field, pair, {true, true});
   if (given[0] == nullptr || given[1] == nullptr) return std::nullopt;
   OnBoth points;
   for (std::size_t i = 0; i < 2; ++i) points[i] = body(pair.bodies[i]).X_WB * vector(*given[i], kLength, field);
@@ -67,7 +68,7 @@ std::optional<OnBoth> ModelAssembler::points_on_both(const PlaceSpec& place, Fie
 }
 
 std::optional<OnBoth> ModelAssembler::directions_on_both(const PlaceSpec& place, Field field, const BodyPair& pair) {
-  if (place.given() && !place.drawn) on_bodies(place, field, pair, true);  // for its messages
+  if (place.given() && !place.drawn) on_bodies(place, field, pair, {true, true});  // for its messages
   const std::optional<Vector3d> first = direction_on(0, place, field, pair);
   if (!first) return std::nullopt;
   if (place.drawn) return OnBoth{*first, *first};
