@@ -1,6 +1,6 @@
 #include "ferrers/kinematics/joint_wrenches.h"
 
-#include <Eigen/QR>
+#include <Eigen/Cholesky>
 
 #include "ferrers/kinematics/coordinates.h"
 
@@ -67,24 +67,25 @@ Wrench effort_wrench(const System& system, JointCoordinate coordinate, const Joi
   return w;
 }
 
-Loads make_loads(const System& system) {
-  return {std::vector<Wrench>(system.nodes.size(), Wrench::Zero()), VectorXd::Zero(system.m),
-          VectorXd::Zero(system.nv)};
+Loads make_loads(const System& system, int cases) {
+  return {std::vector<Wrenches>(system.nodes.size(), Wrenches::Zero(6, cases)), MatrixXd::Zero(system.m, cases),
+          MatrixXd::Zero(system.nv, cases)};
+}
+
+void add_wrench(const PositionKinematics& pos, int node, const Vector3d& p, const Eigen::Ref<const Wrenches>& w,
+                double scale, std::vector<Wrenches>& on_nodes) {
+  const Matrix3d lever = cross_matrix(p - pos.nodes[node].p);
+  on_nodes[node].topRows<3>() += scale * (w.topRows<3>() + lever * w.bottomRows<3>());
+  on_nodes[node].bottomRows<3>() += scale * w.bottomRows<3>();
 }
 
 namespace {
 
-// A wrench given at the point `p` acts on a node: shifted to its origin.
-void add_wrench(const PositionKinematics& pos, int node, const Vector3d& p, const Wrench& w, double scale,
-                std::vector<Wrench>& on_nodes) {
-  on_nodes[node].head<3>() += scale * (w.head<3>() + (p - pos.nodes[node].p).cross(w.tail<3>()));
-  on_nodes[node].tail<3>() += scale * w.tail<3>();
-}
-
-void add_pair(const PositionKinematics& pos, const CutJoint& cut, const Vector3d& p_M,
-              const Wrench& w, double scale, Loads& loads) {
-  add_wrench(pos, cut.frames.node_2, p_M, w, scale, loads.on_nodes);
-  add_wrench(pos, cut.frames.node_1, p_M, w, -scale, loads.on_nodes);
+// A wrench on a cut joint's second body at p_M, and its opposite on the first.
+void add_pair(const PositionKinematics& pos, const CutJoint& cut, const Vector3d& p_M, const Wrenches& w,
+              Loads& loads) {
+  add_wrench(pos, cut.frames.node_2, p_M, w, 1, loads.on_nodes);
+  add_wrench(pos, cut.frames.node_1, p_M, w, -1, loads.on_nodes);
 }
 
 // Multipliers of couplings act as efforts along the coordinates they join.
@@ -94,64 +95,64 @@ void add_coupling_efforts(const System& system, const PositionKinematics& pos,
     const CouplingRow& row = system.couplings[c];
     const Coupling& coupling = system.model->couplings()[c];
     for (std::size_t i = 0; i < row.coordinates.size(); ++i) {
-      const double effort = row.coefficients[i] * loads.lambda[row.row];
+      const Eigen::RowVectorXd effort = row.coefficients[i] * loads.lambda.row(row.row);
       const CoordinateAccess& access = row.coordinates[i];
       if (access.in_tree) {
-        loads.tree_efforts[access.v] += effort;
+        loads.tree_efforts.row(access.v) += effort;
         continue;
       }
       const JointFrameWrenches& joint = joints[coupling.coordinates[i].joint.index()];
       const Wrench w = effort_wrench(system, coupling.coordinates[i], joint);
-      add_pair(pos, system.cuts[access.cut], joint.p_M, w, effort, loads);
+      add_pair(pos, system.cuts[access.cut], joint.p_M, w * effort, loads);
     }
   }
 }
 
-// The part of a tree joint's wrench (on its second body, at p_M) that its rows carry.
-VectorXd constraint_part(const JointFrameWrenches& joint, const Wrench& w, double length) {
-  Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6> T = joint.T;
-  Wrench rhs = w;
-  T.topRows<3>() /= length;
-  rhs.head<3>() /= length;
-  return T.colPivHouseholderQr().solve(rhs);
+// The part of a tree joint's wrench (on its second body, at p_M) that its rows carry: least squares with moments over L.
+MatrixXd constraint_part(const JointFrameWrenches& joint, const Wrenches& w, double length) {
+  Eigen::Matrix<double, 6, 1> weight;
+  weight << Vector3d::Constant(1 / (length * length)), Vector3d::Ones();
+  const MatrixXd weighted = joint.T.transpose() * weight.asDiagonal();
+  const MatrixXd normal = weighted * joint.T;
+  return normal.ldlt().solve(weighted * w);
+}
+
+// What a tree joint gives to its second body, at p_M, so that the outboard side is in balance; without its efforts.
+Wrenches tree_joint_wrench(const System& system, int index, const PositionKinematics& pos,
+                           const JointFrameWrenches& joint, const Loads& loads) {
+  const Node& node = system.nodes[index];
+  const JointId id = system.topology->forest.nodes[index].joint;
+  Wrenches w = (node.forward ? -1.0 : 1.0) * loads.on_nodes[index];
+  w.topRows<3>() += cross_matrix(pos.nodes[index].p - joint.p_M) * w.bottomRows<3>();
+  for (int k = 0; k < node.nv; ++k) {
+    const auto effort = loads.tree_efforts.row(node.v + k);
+    if (!effort.isZero(0)) w -= effort_wrench(system, {id, k}, joint) * effort;
+  }
+  return w;
 }
 
 }  // namespace
 
-VectorXd distribute_to_joints(const System& system, const AllRows& rows, const Scaling& scaling,
-                              const PositionKinematics& pos,
-                              const std::vector<JointFrameWrenches>& joints, Loads loads) {
-  VectorXd all = VectorXd::Zero(rows.size());
+MatrixXd distribute_to_joints(const System& system, const AllRows& rows, const Scaling& scaling,
+                              const PositionKinematics& pos, const std::vector<JointFrameWrenches>& joints,
+                              Loads loads) {
+  MatrixXd all = MatrixXd::Zero(rows.size(), loads.lambda.cols());
   add_coupling_efforts(system, pos, joints, loads);
   for (int r = 0; r < rows.size(); ++r) {
-    if (rows.closure_row[r] >= 0) all[r] = loads.lambda[rows.closure_row[r]];
+    if (rows.closure_row[r] >= 0) all.row(r) = loads.lambda.row(rows.closure_row[r]);
   }
   for (const CutJoint& cut : system.cuts) {
     const JointFrameWrenches& joint = joints[cut.joint.index()];
-    const Wrench w = joint.T * loads.lambda.segment(cut.row, cut.type->row_count());
-    add_pair(pos, cut, joint.p_M, w, 1, loads);
+    add_pair(pos, cut, joint.p_M, joint.T * loads.lambda.middleRows(cut.row, cut.type->row_count()), loads);
   }
   for (int i = static_cast<int>(system.nodes.size()) - 1; i > 0; --i) {
-    const Node& node = system.nodes[i];
-    const Wrench& load = loads.on_nodes[i];
     const JointId id = system.topology->forest.nodes[i].joint;
-    if (id.valid()) {
+    if (id.valid() && rows.count[id.index()] > 0) {
       const JointFrameWrenches& joint = joints[id.index()];
-      // The joint holds the outboard side: −load on this node; turned to the second body, at p_M.
-      Wrench w = node.forward ? Wrench(-load) : load;
-      w.head<3>() += (pos.nodes[i].p - joint.p_M).cross(w.tail<3>());
-      for (int k = 0; k < node.nv; ++k) {
-        const double effort = loads.tree_efforts[node.v + k];
-        if (effort != 0) w -= effort * effort_wrench(system, {id, k}, joint);
-      }
-      const int index = id.index();
-      if (rows.count[index] > 0) {
-        all.segment(rows.first[index], rows.count[index]) = constraint_part(joint, w, scaling.length_m);
-      }
+      all.middleRows(rows.first[id.index()], rows.count[id.index()]) =
+          constraint_part(joint, tree_joint_wrench(system, i, pos, joint, loads), scaling.length_m);
     }
-    Wrench& parent = loads.on_nodes[node.parent];
-    parent.head<3>() += load.head<3>() + (pos.nodes[i].p - pos.nodes[node.parent].p).cross(load.tail<3>());
-    parent.tail<3>() += load.tail<3>();
+    add_wrench(pos, system.nodes[i].parent, pos.nodes[i].p, loads.on_nodes[i], 1, loads.on_nodes);
   }
   return all;
 }

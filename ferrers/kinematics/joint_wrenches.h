@@ -38,16 +38,22 @@ std::vector<JointFrameWrenches> compute_joint_frame_wrenches(const System& syste
 /// Wrench per unit effort along scalar coordinate `index` of a joint, on its second body at p_M.
 Wrench effort_wrench(const System& system, JointCoordinate coordinate, const JointFrameWrenches& joint);
 
-/// What loads the mechanism besides the tree joints' reactions.
-struct Loads {
-  std::vector<Wrench> on_nodes;  ///< Per node, at its origin, world axes: applied minus inertia forces.
-  VectorXd lambda;               ///< m: multipliers of the closure rows.
-  VectorXd tree_efforts;         ///< nv: efforts along tree coordinates (drives, springs), without couplings.
-};
-Loads make_loads(const System& system);
+using Wrenches = Eigen::Matrix<double, 6, Eigen::Dynamic>;
 
-/// Multipliers of all rows that balance the loads (AllRows::size()).
-VectorXd distribute_to_joints(const System& system, const AllRows& rows, const Scaling& scaling,
+/// What loads the mechanism besides the tree joints' reactions: k load cases at once.
+struct Loads {
+  std::vector<Wrenches> on_nodes;  ///< Per node 6 × k, at its origin, world axes: applied minus inertia forces.
+  MatrixXd lambda;                 ///< m × k: multipliers of the closure rows.
+  MatrixXd tree_efforts;           ///< nv × k: efforts along tree coordinates (drives, springs), without couplings.
+};
+Loads make_loads(const System& system, int cases);
+
+/// Adds `scale` times a wrench given at the world point `p` to the load on a node.
+void add_wrench(const PositionKinematics& pos, int node, const Vector3d& p, const Eigen::Ref<const Wrenches>& w,
+                double scale, std::vector<Wrenches>& on_nodes);
+
+/// Multipliers of all rows that balance the loads: AllRows::size() × k. Uses up `loads`.
+MatrixXd distribute_to_joints(const System& system, const AllRows& rows, const Scaling& scaling,
                               const PositionKinematics& pos, const std::vector<JointFrameWrenches>& joints,
                               Loads loads);
 

@@ -93,27 +93,21 @@ Selection choose(const System& system, const std::vector<Block>& blocks) {
 // Self-stresses over all joints' rows from those of the closure rows, orthonormal in scaled units.
 MatrixXd extend_self_stresses(const System& system, const Scaling& scaling, const State& state, const AllRows& rows,
                               const std::vector<Block>& blocks) {
+  int count = 0;
+  for (const Block& block : blocks) count += static_cast<int>(block.analysis.left_null.cols());
+  MatrixXd closure_part = MatrixXd::Zero(system.m, count);
+  for (int column = 0; const Block& block : blocks) {
+    const MatrixXd& null = block.analysis.left_null;
+    for (std::size_t i = 0; i < block.rows.size(); ++i) {
+      const int row = block.rows[i];
+      closure_part.row(row).segment(column, null.cols()) = scaling.rows[row] * null.row(static_cast<int>(i));
+    }
+    column += static_cast<int>(null.cols());
+  }
   PositionKinematics pos = make_position_kinematics(system);
   compute_positions(system, state.q, pos);
-  const std::vector<JointFrameWrenches> joints = compute_joint_frame_wrenches(system, state, pos);
-  std::vector<VectorXd> columns;
-  for (const Block& block : blocks) {
-    MatrixXd Z(rows.size(), block.analysis.left_null.cols());
-    for (int k = 0; k < Z.cols(); ++k) {
-      Loads loads = make_loads(system);
-      for (std::size_t i = 0; i < block.rows.size(); ++i) {
-        loads.lambda[block.rows[i]] = scaling.rows[block.rows[i]] * block.analysis.left_null(static_cast<int>(i), k);
-      }
-      Z.col(k) = distribute_to_joints(system, rows, scaling, pos, joints, std::move(loads)).cwiseQuotient(rows.scale);
-    }
-    if (Z.cols() == 0) continue;
-    const Eigen::HouseholderQR<MatrixXd> qr(Z);
-    const MatrixXd basis = qr.householderQ() * MatrixXd::Identity(Z.rows(), Z.cols());
-    for (int k = 0; k < Z.cols(); ++k) columns.emplace_back(basis.col(k));
-  }
-  MatrixXd all(rows.size(), static_cast<int>(columns.size()));
-  for (std::size_t k = 0; k < columns.size(); ++k) all.col(static_cast<int>(k)) = columns[k].cwiseProduct(rows.scale);
-  return all;
+  return complete_self_stresses(system, scaling, rows, pos, compute_joint_frame_wrenches(system, state, pos),
+                                closure_part);
 }
 
 std::vector<ReactionUniqueness> judge_reactions(const System& system, const AllRows& rows, const MatrixXd& Z) {
@@ -170,6 +164,39 @@ void fill_counts(const System& system, RedundancyReport& report) {
 }
 
 }  // namespace
+
+MatrixXd complete_self_stresses(const System& system, const Scaling& scaling, const AllRows& rows,
+                                const PositionKinematics& pos, const std::vector<JointFrameWrenches>& joints,
+                                const MatrixXd& closure_part) {
+  const int count = static_cast<int>(closure_part.cols());
+  if (count == 0) return MatrixXd::Zero(rows.size(), 0);
+  Loads loads = make_loads(system, count);
+  loads.lambda = closure_part;
+  const MatrixXd all = distribute_to_joints(system, rows, scaling, pos, joints, std::move(loads));
+  const Eigen::HouseholderQR<MatrixXd> qr(rows.scale.cwiseInverse().asDiagonal() * all);
+  const MatrixXd basis = qr.householderQ() * MatrixXd::Identity(rows.size(), count);
+  return rows.scale.asDiagonal() * basis;
+}
+
+MatrixXd self_stresses_of_selection(const System& system, const Selection& selection, const RowMatrixXd& G) {
+  const int r = static_cast<int>(selection.rows.size()), excluded = system.m - r;
+  MatrixXd Z = MatrixXd::Zero(system.m, excluded);
+  if (excluded == 0) return Z;
+  std::vector<bool> kept(system.m, false);
+  for (const int row : selection.rows) kept[row] = true;
+  MatrixXd G_d(r, r), G_e(excluded, r);
+  for (int i = 0; i < r; ++i) G_d.row(i) = G.row(selection.rows[i])(selection.dependent);
+  for (int row = 0, e = 0; row < system.m; ++row) {
+    if (kept[row]) continue;
+    G_e.row(e) = G.row(row)(selection.dependent);
+    Z(row, e++) = 1;
+  }
+  if (r == 0) return Z;
+  // G_e = C G_d, so that y_e = 1 is balanced by y_r = −Cᵀ.
+  const MatrixXd C_transposed = G_d.transpose().partialPivLu().solve(G_e.transpose());
+  for (int i = 0; i < r; ++i) Z.row(selection.rows[i]) = -C_transposed.row(i);
+  return Z;
+}
 
 Selection select_independent(const System& system, const Scaling& scaling, const ConstraintKinematics& constraints,
                              RankDecision* decision) {
