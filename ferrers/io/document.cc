@@ -117,7 +117,7 @@ class TreeBuilder : public YAML::EventHandler {
   };
 
   std::size_t offset_of(const YAML::Mark& mark) const {
-    return source_.offset_of_character(static_cast<std::size_t>(std::max(mark.pos, 0)));
+    return std::min(static_cast<std::size_t>(std::max(mark.pos, 0)), source_.text().size());  // it counts bytes
   }
   bool is_key_position() const {
     return !frames_.empty() && frames_.back().node.kind == Kind::kMap && !frames_.back().has_key;
@@ -295,7 +295,7 @@ void report_syntax(const YAML::Exception& exception, const SourceText& source, D
       {YAML::ErrorMsg::EOF_IN_SCALAR, "the file ends inside quotes", "close the quote"},
       {YAML::ErrorMsg::DOC_IN_SCALAR, "the document ends inside quotes", "close the quote"},
   };
-  const std::size_t offset = source.offset_of_character(static_cast<std::size_t>(std::max(exception.mark.pos, 0)));
+  const std::size_t offset = static_cast<std::size_t>(std::max(exception.mark.pos, 0));
   const SourceRange at = source.range(offset, 1);
   for (const Text& text : kTexts) {
     if (exception.msg == text.parser) return diagnostics.error("F107", at, text.message, text.hint);

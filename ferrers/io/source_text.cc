@@ -8,8 +8,6 @@
 namespace ferrers {
 namespace {
 
-constexpr std::size_t kStride = 256;
-
 bool is_continuation(char c) { return (static_cast<unsigned char>(c) & 0xC0U) == 0x80U; }
 
 /// A decoded character; `length` is 0 where the bytes are no UTF-8 (overlong forms and surrogates are none).
@@ -45,16 +43,8 @@ bool is_forbidden(std::uint32_t code, std::string_view rest) {
 }  // namespace
 
 SourceText::SourceText(std::string_view text) : text_(text), line_starts_{0} {
-  bool ascii = true;
   for (std::size_t i = 0; i < text.size(); ++i) {
     if (text[i] == '\n') line_starts_.push_back(i + 1);
-    ascii = ascii && static_cast<unsigned char>(text[i]) < 0x80;
-  }
-  if (ascii) return;
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    if (is_continuation(text[i])) continue;
-    if (count++ % kStride == 0) marks_.push_back(i);
   }
 }
 
@@ -69,18 +59,6 @@ SourceRange SourceText::range(std::size_t offset, std::size_t length) const {
   range.column = static_cast<int>(offset - start) + 1;
   range.length = static_cast<int>(std::min(length, end - offset));
   return range;
-}
-
-std::size_t SourceText::offset_of_character(std::size_t index) const {
-  if (marks_.empty()) return std::min(index, text_.size());
-  if (index / kStride >= marks_.size()) return text_.size();
-  std::size_t offset = marks_[index / kStride];
-  for (std::size_t left = index % kStride; left > 0 && offset < text_.size(); --left) {
-    do {
-      ++offset;
-    } while (offset < text_.size() && is_continuation(text_[offset]));
-  }
-  return offset;
 }
 
 std::string_view SourceText::before_on_line(std::size_t offset) const {

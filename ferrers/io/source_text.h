@@ -9,7 +9,7 @@
 
 namespace ferrers {
 
-/// The text of a file with its lines: turns byte offsets, and counts of characters, into places.
+/// The text of a file with its lines: turns byte offsets into places.
 ///
 /// Given: UTF-8 text that outlives this object. Offsets count bytes from 0; a line ends at '\n'.
 /// Cost: O(size) to make, O(log lines) per place.
@@ -20,15 +20,12 @@ class SourceText {
   std::string_view text() const { return text_; }
   /// The place of `length` bytes at `offset`, cut at the end of the line. Offsets beyond the end mean the end.
   SourceRange range(std::size_t offset, std::size_t length) const;
-  /// Byte offset of the character with this index (a code point counts as one).
-  std::size_t offset_of_character(std::size_t index) const;
   /// What stands before `offset` on its line.
   std::string_view before_on_line(std::size_t offset) const;
 
  private:
   std::string_view text_;
   std::vector<std::size_t> line_starts_;
-  std::vector<std::size_t> marks_;  // Byte offset of every kStride-th character; empty when all is ASCII.
 };
 
 /// Refuses bytes that a model file never holds: a byte order mark, broken UTF-8, control characters.
