@@ -35,8 +35,8 @@ struct Context {
 
   void effort(JointCoordinate coordinate, double value) {
     const Joint& joint = model.joint(coordinate.joint);
-    const RowWrench<double> w = coordinate_row<double>(joint, coordinate.index, places[joint.first.index()],
-                                                       places[joint.second.index()]);
+    const RowWrench<double> w =
+        coordinate_row<double>(joint, coordinate.index, places[joint.first.index()], places[joint.second.index()]);
     add_pair(joint.first, joint.second, value * w.f, w.p, value * w.m);
   }
 
@@ -88,7 +88,8 @@ void apply(const Bushing& bushing, Context& c) {
   const Vector3d rate = X_WF.R.transpose() * (c.velocity(bushing.second, X_WM.p) - c.velocity(bushing.first, X_WM.p));
   const Vector3d spin = X_WF.R.transpose() * (c.state.twists[bushing.second.index()].head<3>() -
                                               c.state.twists[bushing.first.index()].head<3>());
-  const Vector3d force = bushing.stiffness.head<3>().cwiseProduct(stretch) + bushing.damping.head<3>().cwiseProduct(rate);
+  const Vector3d force =
+      bushing.stiffness.head<3>().cwiseProduct(stretch) + bushing.damping.head<3>().cwiseProduct(rate);
   const Vector3d couple = bushing.stiffness.tail<3>().cwiseProduct(turn) + bushing.damping.tail<3>().cwiseProduct(spin);
   c.add_pair(bushing.first, bushing.second, -X_WF.R * force, X_WM.p, -X_WF.R * couple);
 }
@@ -134,13 +135,15 @@ void apply_viscous_friction(const Joint& joint, int index, Context& c) {
 }
 
 double spring_energy(const Spring& spring, const std::vector<Pose>& poses) {
-  const Vector3d a = poses[spring.first.index()] * spring.point_1_m, b = poses[spring.second.index()] * spring.point_2_m;
+  const Vector3d a = poses[spring.first.index()] * spring.point_1_m,
+                 b = poses[spring.second.index()] * spring.point_2_m;
   const double stretch = (b - a).norm() - spring.free_length_m;
   return 0.5 * spring.stiffness * stretch * stretch;
 }
 
 double bushing_energy(const Bushing& bushing, const std::vector<Pose>& poses) {
-  const Pose X_FM = (poses[bushing.first.index()] * bushing.X_1F).inverse() * (poses[bushing.second.index()] * bushing.X_2M);
+  const Pose X_FM =
+      (poses[bushing.first.index()] * bushing.X_1F).inverse() * (poses[bushing.second.index()] * bushing.X_2M);
   const Vector3d turn = rotation_log(X_FM.R);
   return 0.5 * (X_FM.p.dot(bushing.stiffness.head<3>().cwiseProduct(X_FM.p)) +
                 turn.dot(bushing.stiffness.tail<3>().cwiseProduct(turn)));

@@ -15,7 +15,7 @@ std::vector<Placement<double>> placements(const Model& model, const std::vector<
 /// Placements with their time derivatives along the twists.
 std::vector<Placement<Dual>> moving_placements(const Model& model, const AbsoluteState& state);
 
-Eigen::VectorXd stacked(const std::vector<Vector6d>& twists);      ///< Without ground.
+Eigen::VectorXd stacked(const std::vector<Vector6d>& twists);        ///< Without ground.
 std::vector<Vector6d> unstacked(const Eigen::VectorXd& velocities);  ///< With ground, zero.
 
 /// Singular values of S_row G S_col, where all entries are pure numbers, and solves with the rank they give.

@@ -65,8 +65,8 @@ Vector3d misalignment_of(const Joint& joint, const JointFrames<double>& f) {
   return f.F.transpose() * f.F.col(2).cross(f.M.col(2));
 }
 
-double residual_of(const Model& model, const Joint& joint, const std::string& component,
-                   const std::vector<Pose>& poses, const JointFrames<double>& f) {
+double residual_of(const Model& model, const Joint& joint, const std::string& component, const std::vector<Pose>& poses,
+                   const JointFrames<double>& f) {
   if (joint.type == JointType::kDistance) return (f.pM - f.pF).norm() - joint.constants.length_m;
   if (joint.type == JointType::kGearMesh) return mesh_residual(model, joint, poses, f);
   if (joint.type == JointType::kUniversal && component == "moment_y") return -f.F.col(2).dot(f.M.col(0));

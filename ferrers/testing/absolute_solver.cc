@@ -93,8 +93,9 @@ double size_of(const Model& model, const std::vector<Pose>& poses) {
   return sum > 0 ? std::sqrt(sum) : 1.0;
 }
 
-/// Diagonal scales that make rows and columns pure numbers: S_row G S_col. Force rows count metres (divided by L), moment
-/// rows radians; a coupling or drive row is made a unit row, which is safe since its coefficients are given numbers.
+/// Diagonal scales that make rows and columns pure numbers: S_row G S_col. Force rows count metres (divided by L),
+/// moment rows radians; a coupling or drive row is made a unit row, which is safe since its coefficients are given
+/// numbers.
 void scales_of(const AbsoluteConstraints& c, double L, Eigen::VectorXd& rows, Eigen::VectorXd& columns) {
   columns.resize(c.G.cols());
   for (int i = 0; i < columns.size(); ++i) columns[i] = i % 6 < 3 ? 1.0 : L;

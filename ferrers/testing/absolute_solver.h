@@ -10,8 +10,8 @@
 /// A second opinion on mechanisms: absolute coordinates, dense matrices, singular values.
 ///
 /// Given a model, the pose of every body and their twists, it answers the questions that the engine answers by trees,
-/// cut joints and selected rows, sharing only the `Model` data with it: rank, mobility, self-stress, which reactions are
-/// unique, accelerations and multipliers. Slow (dense SVD, O((6·bodies)³)) and meant for tests only.
+/// cut joints and selected rows, sharing only the `Model` data with it: rank, mobility, self-stress, which reactions
+/// are unique, accelerations and multipliers. Slow (dense SVD, O((6·bodies)³)) and meant for tests only.
 ///
 /// Velocities are 6 per moving body, (ω, velocity of the mass centre), world axes; the sign rule is the project's:
 /// M a + h = τ + Gᵀ λ with λ acting on a joint's second body.
@@ -19,14 +19,15 @@ namespace ferrers::witness {
 
 /// Where every body is and how it moves; index = BodyId, ground included (and at rest).
 struct AbsoluteState {
-  std::vector<Pose> poses;      ///< X_WB.
-  std::vector<Vector6d> twists; ///< ω, then the velocity of the mass centre; world axes.
+  std::vector<Pose> poses;       ///< X_WB.
+  std::vector<Vector6d> twists;  ///< ω, then the velocity of the mass centre; world axes.
 };
 
 /// The drawn configuration at rest.
 AbsoluteState drawn_state(const Model& model);
 
-/// Constraint equations at a state: G V = 0 and G dV/dt = gamma, one label a row ("elbow/moment_x", or a coupling's name).
+/// Constraint equations at a state: G V = 0 and G dV/dt = gamma, one label a row ("elbow/moment_x", or a coupling's
+/// name).
 struct AbsoluteConstraints {
   Eigen::MatrixXd G;                ///< rows × 6·(bodies − 1).
   Eigen::VectorXd gamma;            ///< rows.
@@ -47,11 +48,11 @@ Eigen::VectorXd absolute_residual(const Model& model, const std::vector<Pose>& p
 
 /// What the singular values say about a mechanism.
 struct AbsoluteVerdict {
-  int bodies = 0;     ///< Without ground.
-  int rows = 0;       ///< m.
-  int rank = 0;       ///< r, of the scaled Jacobian.
-  int mobility = 0;   ///< 6·bodies − r.
-  int redundant = 0;  ///< m − r.
+  int bodies = 0;                      ///< Without ground.
+  int rows = 0;                        ///< m.
+  int rank = 0;                        ///< r, of the scaled Jacobian.
+  int mobility = 0;                    ///< 6·bodies − r.
+  int redundant = 0;                   ///< m − r.
   Eigen::VectorXd singular_values;     ///< Of the scaled Jacobian, descending.
   double length_m = 1;                 ///< The length that made rows and columns comparable.
   Eigen::MatrixXd Z;                   ///< Self-stress basis, m × (m − r), in SI rows: Gᵀ Z = 0.
@@ -71,9 +72,9 @@ Eigen::MatrixXd absolute_mass_matrix(const Model& model, const std::vector<Pose>
 struct AbsoluteMotion {
   std::vector<Vector6d> accelerations;  ///< Per body (ground zero): dω/dt, acceleration of the mass centre; world.
   Eigen::VectorXd lambda;               ///< Per row; its unique part is physics, the rest is one choice of many.
-  double inconsistency = 0;             ///< ‖G a − gamma‖ / (1 + ‖gamma‖): not small when the constraints contradict.
-  bool inertia_regular = true;          ///< The mass matrix is regular on the admissible motions.
-  AbsoluteConstraints constraints;      ///< As solved.
+  double inconsistency = 0;     ///< ‖G a − gamma‖ / (1 + ‖gamma‖): not small when the constraints contradict.
+  bool inertia_regular = true;  ///< The mass matrix is regular on the admissible motions.
+  AbsoluteConstraints constraints;  ///< As solved.
 };
 
 /// Solves M a + h = τ + Gᵀ λ, G a = gamma, for any rank of G.

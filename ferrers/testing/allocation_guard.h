@@ -10,7 +10,8 @@ namespace ferrers::witness {
 ///     EXPECT_EQ(guard.count(), 0);
 ///
 /// Linking this unit replaces the C allocation functions of the program by ones that count and forward to the C library
-/// (glibc only; under a sanitizer or another C library `available()` is false and counts stay zero). Guards may be nested.
+/// (glibc only; under a sanitizer or another C library `available()` is false and counts stay zero). Guards may be
+/// nested.
 class AllocationGuard {
  public:
   AllocationGuard();

@@ -49,6 +49,14 @@ struct NumTraits<ferrers::witness::Dual> : NumTraits<double> {
   using Real = ferrers::witness::Dual;
   using NonInteger = ferrers::witness::Dual;
   using Nested = ferrers::witness::Dual;
-  enum { IsComplex = 0, IsInteger = 0, IsSigned = 1, RequireInitialization = 1, ReadCost = 2, AddCost = 2, MulCost = 4 };
+  enum {
+    IsComplex = 0,
+    IsInteger = 0,
+    IsSigned = 1,
+    RequireInitialization = 1,
+    ReadCost = 2,
+    AddCost = 2,
+    MulCost = 4
+  };
 };
 }  // namespace Eigen

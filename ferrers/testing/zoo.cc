@@ -14,8 +14,8 @@ ModelSpec named(ModelSpec spec, const std::string& name) {
   return spec;
 }
 
-// Closed forms. A hinge beside a coaxial one repeats all its five rows. Planar loops of spatial joints repeat three rows
-// each (out-of-plane force, two out-of-plane moments) and leave two unique in-plane components a joint.
+// Closed forms. A hinge beside a coaxial one repeats all its five rows. Planar loops of spatial joints repeat three
+// rows each (out-of-plane force, two out-of-plane moments) and leave two unique in-plane components a joint.
 void add_basic_and_planar(std::vector<ZooEntry>& zoo) {
   zoo.push_back({"pendulum", make_pendulum(), 1, 5, 5, 1, 0, 5, 5});
   zoo.push_back({"door2", make_door(2), 1, 10, 5, 1, 5, 0, 0});
@@ -29,7 +29,8 @@ void add_basic_and_planar(std::vector<ZooEntry>& zoo) {
   zoo.push_back({"parallel_cranks", make_parallel_cranks(), 4, 30, 23, 1, 7, 0, 6});
   zoo.push_back({"n_four_bar1", make_n_four_bar(1, 0.4), 3, 20, 17, 1, 3, 8, 8});
   zoo.push_back({"n_four_bar2", make_n_four_bar(2, 0.4), 5, 35, 29, 1, 6, 14, 14});
-  zoo.push_back({"n_four_bar2_upright", named(make_n_four_bar(2, 0, 1), "n_four_bar2_upright"), 5, 35, 29, 1, 6, 14, 14});
+  zoo.push_back(
+      {"n_four_bar2_upright", named(make_n_four_bar(2, 0, 1), "n_four_bar2_upright"), 5, 35, 29, 1, 6, 14, 14});
   zoo.push_back({"n_four_bar2_horizontal", named(make_n_four_bar(2, kRightAngle), "n_four_bar2_horizontal"), 5, 35, 27,
                  3, 8, 7, 7});
   zoo.push_back({"slider_crank_rrrp", make_slider_crank(SliderCrankJoints::kRevolutePrismatic), 3, 20, 17, 1, 3, 8, 8});
@@ -49,7 +50,8 @@ void add_spatial(std::vector<ZooEntry>& zoo) {
   zoo.push_back({"bricard", make_bricard(BricardRods::kBricks), 5, 30, 29, 1, 1, 0, 24});
   zoo.push_back({"bricard_thin", make_bricard(BricardRods::kThin), 5, 30, 29, 1, 1, 0, 24});
   zoo.push_back({"sarrus", make_sarrus(0.7), 5, 30, 29, 1, 1, 24, 24});
-  zoo.push_back({"sarrus_extended", named(make_sarrus(kRightAngle), "sarrus_extended"), 5, 30, 28, 2, 2, kUnknown, kUnknown});
+  zoo.push_back(
+      {"sarrus_extended", named(make_sarrus(kRightAngle), "sarrus_extended"), 5, 30, 28, 2, 2, kUnknown, kUnknown});
   zoo.push_back({"bennett", make_bennett(), 3, 20, 17, 1, 3, 0, 8});
   zoo.push_back({"flyball", make_flyball(), 4, 20, 20, 4, 0, 20, 20});
 }

@@ -18,11 +18,11 @@ namespace ferrers::witness {
 struct ZooEntry {
   std::string name;
   ModelSpec spec;
-  int bodies = 0;     ///< Without ground.
-  int rows = 0;       ///< All joints' constraint rows.
-  int rank = 0;       ///< Of their Jacobian on 6·bodies velocities.
-  int mobility = 0;   ///< 6·bodies − rank.
-  int redundant = 0;  ///< rows − rank.
+  int bodies = 0;                       ///< Without ground.
+  int rows = 0;                         ///< All joints' constraint rows.
+  int rank = 0;                         ///< Of their Jacobian on 6·bodies velocities.
+  int mobility = 0;                     ///< 6·bodies − rank.
+  int redundant = 0;                    ///< rows − rank.
   std::optional<int> unique;            ///< Reaction components, in the joints' frames, that no self-stress touches.
   std::optional<int> unique_dimension;  ///< Sum over joints of the dimension of the unique part of the wrench.
 };
@@ -52,7 +52,8 @@ ModelSpec make_shaft_overconstrained();
 
 enum class FourBarJoints { kRevolute, kSphericalCylindrical, kTwoSpherical };
 
-/// Four-bar (0,0), (0.3,0.9), (2,1.5), (1.8,0) in the xy plane: R-R-R-R, R-S-C-R or R-S-S-R in the order round the loop.
+/// Four-bar (0,0), (0.3,0.9), (2,1.5), (1.8,0) in the xy plane: R-R-R-R, R-S-C-R or R-S-S-R in the order round the
+/// loop.
 ModelSpec make_four_bar(FourBarJoints joints);
 
 /// Crank 1 m 1 kg, coupler 2 m 2 kg, rocker √13 m 4 kg on (0,0) and (4,0), gravity in −y, crank drawn along +x; the
@@ -63,8 +64,8 @@ ModelSpec make_driven_four_bar();
 ModelSpec make_parallel_cranks(double crank_angle_rad = 0.7);
 
 /// A02: `loops` four-bars in a row, thin rods of 1 m and 1 kg, cranks drawn at `crank_angle_rad` from upright
-/// (clockwise: tips at (sin, cos)), turning clockwise with `crank_speed`. Mobility is 1 but `loops` + 1 where the cranks
-/// lie along the couplers (±π/2).
+/// (clockwise: tips at (sin, cos)), turning clockwise with `crank_speed`. Mobility is 1 but `loops` + 1 where the
+/// cranks lie along the couplers (±π/2).
 ModelSpec make_n_four_bar(int loops, double crank_angle_rad, double crank_speed = 0);
 
 enum class SliderCrankJoints { kRevolutePrismatic, kSphericalCylindrical };
@@ -100,7 +101,8 @@ ModelSpec make_sarrus(double angle_rad);
 /// Bennett's skew four-bar, twists 50 and 110 degrees: four revolutes, no two axes parallel or meeting, yet mobile.
 ModelSpec make_bennett();
 
-/// A05: flyball governor, stiff springs between rods and slider; shaft drawn at s = 0.5 m with 2π rad/s. Nothing redundant.
+/// A05: flyball governor, stiff springs between rods and slider; shaft drawn at s = 0.5 m with 2π rad/s. Nothing
+/// redundant.
 ModelSpec make_flyball();
 
 }  // namespace ferrers::witness

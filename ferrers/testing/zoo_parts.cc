@@ -88,8 +88,8 @@ JointSpec joint(JointType type, const std::string& name, const std::string& firs
   return spec;
 }
 
-JointSpec universal_joint(const std::string& name, const std::string& first, const std::string& second,
-                          const Point& at, const Point& first_axis, const Point& second_axis) {
+JointSpec universal_joint(const std::string& name, const std::string& first, const std::string& second, const Point& at,
+                          const Point& first_axis, const Point& second_axis) {
   JointSpec spec = bare_joint(JointType::kUniversal, name, first, second);
   spec.place = place(at);
   spec.axis = place(first_axis);

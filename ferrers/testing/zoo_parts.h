@@ -29,8 +29,8 @@ BodySpec tensor_body(const std::string& name, const Point& centre, const Eigen::
 /// A drawn joint; `axis` is the axis or normal, left out for types without one.
 JointSpec joint(JointType type, const std::string& name, const std::string& first, const std::string& second,
                 const Point& at, const Point& axis = Point::UnitZ());
-JointSpec universal_joint(const std::string& name, const std::string& first, const std::string& second,
-                          const Point& at, const Point& first_axis, const Point& second_axis);
+JointSpec universal_joint(const std::string& name, const std::string& first, const std::string& second, const Point& at,
+                          const Point& first_axis, const Point& second_axis);
 JointSpec distance_joint(const std::string& name, const std::string& first, const std::string& second,
                          const Point& on_first, const Point& on_second);
 JointSpec mesh_joint(const std::string& name, const std::string& first, const std::string& second,

@@ -104,7 +104,8 @@ ModelSpec make_slider_crank(SliderCrankJoints joints, double crank_angle_rad) {
 }
 
 // All in one plane z = 0. The planet pushes back on both flanks with the same tangential force, so the lines of action
-// lean outwards at the sun and inwards at the ring.
+// lean outwards at the sun and inwards at the ring. The planets' radial pin forces balance between the two meshes and
+// are unique; no planet is drawn along an axis of its pin, where one component alone would be that radial force.
 ModelSpec make_planetary(int planets) {
   constexpr double kSun = 1, kPlanet = 0.7, kArm = kSun + kPlanet, kRing = kArm + kPlanet;
   const double pressure = 20 * std::numbers::pi / 180;
@@ -114,7 +115,7 @@ ModelSpec make_planetary(int planets) {
                  bar_body("carrier", {0, 0, -0.25}, {0, 0, -0.15}, 4, kArm)};
   spec.joints = {joint(kR, "sun_bearing", "ground", "sun", o), joint(kR, "carrier_bearing", "ground", "carrier", o)};
   for (int i = 0; i < planets; ++i) {
-    const double direction = 2 * std::numbers::pi * i / planets;
+    const double direction = 0.3 + 2 * std::numbers::pi * i / planets;
     const Point e(std::cos(direction), std::sin(direction), 0), tangent = z.cross(e);
     const std::string planet = numbered("planet", i + 1);
     const Point half(0, 0, 0.1), centre = kArm * e;
@@ -180,16 +181,14 @@ ModelSpec make_excavator() {
   const Point rocker_end(6.35, 0, 0.95), link_end(6.6, 0, 0.4);
   ModelSpec spec;
   spec.name = "excavator";
-  spec.bodies = {bar_body("boom", boom_foot, boom_tip, 900, 0.2),
-                 bar_body("arm", {4.2, 0, 2.9}, bucket_pin, 450, 0.15),
+  spec.bodies = {bar_body("boom", boom_foot, boom_tip, 900, 0.2), bar_body("arm", {4.2, 0, 2.9}, bucket_pin, 450, 0.15),
                  box_body("bucket", {6.5, 0, -0.2}, {0.8, 1.0, 0.8}, 350),
                  bar_body("rocker", rocker_pin, rocker_end, 30, 0.05),
                  bar_body("link", rocker_end, link_end, 25, 0.05)};
-  spec.joints = {joint(kR, "boom_pin", "ground", "boom", boom_foot, y), joint(kR, "arm_pin", "boom", "arm", boom_tip, y),
-                 joint(kR, "bucket_pin", "arm", "bucket", bucket_pin, y),
-                 joint(kR, "rocker_pin", "arm", "rocker", rocker_pin, y),
-                 joint(kR, "rocker_end", "rocker", "link", rocker_end, y),
-                 joint(kR, "link_end", "link", "bucket", link_end, y)};
+  spec.joints = {
+      joint(kR, "boom_pin", "ground", "boom", boom_foot, y),    joint(kR, "arm_pin", "boom", "arm", boom_tip, y),
+      joint(kR, "bucket_pin", "arm", "bucket", bucket_pin, y),  joint(kR, "rocker_pin", "arm", "rocker", rocker_pin, y),
+      joint(kR, "rocker_end", "rocker", "link", rocker_end, y), joint(kR, "link_end", "link", "bucket", link_end, y)};
   add_cylinder(spec, "boom_cylinder", "ground", {0.7, 0, -0.4}, "boom", {2.5, 0, 1.7});
   add_cylinder(spec, "arm_cylinder", "boom", {2.4, 0, 2.0}, "arm", {4.2, 0, 2.9});
   add_cylinder(spec, "bucket_cylinder", "arm", {4.6, 0, 2.75}, "rocker", {6.2, 0, 1.0});

@@ -9,7 +9,7 @@ namespace ferrers::witness {
 
 // Six revolutes whose axes follow the edges of a cube; published as benchmark A04 of the IFToMM multibody library.
 ModelSpec make_bricard(BricardRods rods) {
-  const std::array<Point, 6> at = {Point(0, 0, 0), Point(1, 0, 0),  Point(1, -1, 0),
+  const std::array<Point, 6> at = {Point(0, 0, 0),  Point(1, 0, 0),  Point(1, -1, 0),
                                    Point(1, -1, 1), Point(0, -1, 1), Point(0, 0, 1)};
   const std::array<Point, 6> axis = {Point::UnitY(), Point::UnitZ(), Point::UnitX(),
                                      Point::UnitY(), Point::UnitZ(), Point::UnitX()};
@@ -19,9 +19,8 @@ ModelSpec make_bricard(BricardRods rods) {
   for (int i = 0; i < 5; ++i) {
     const Point along = at[i + 1] - at[i];
     const Point size = along.cwiseAbs() + 0.1 * (Point::Ones() - along.cwiseAbs());
-    spec.bodies.push_back(rods == BricardRods::kBricks
-                              ? box_body(numbered("rod", i + 1), at[i] + 0.5 * along, size, 1)
-                              : rod_body(numbered("rod", i + 1), at[i], at[i + 1], 1));
+    spec.bodies.push_back(rods == BricardRods::kBricks ? box_body(numbered("rod", i + 1), at[i] + 0.5 * along, size, 1)
+                                                       : rod_body(numbered("rod", i + 1), at[i], at[i + 1], 1));
   }
   for (int i = 0; i < 6; ++i) {
     const std::string first = i == 0 ? "ground" : numbered("rod", i);
@@ -74,7 +73,8 @@ ModelSpec make_bennett() {
   }
   ModelSpec spec;
   spec.name = "bennett";
-  for (int i = 0; i < 3; ++i) spec.bodies.push_back(bar_body(numbered("link", i + 1), at[i], at[i + 1], 1 + 0.2 * i, 0.03));
+  for (int i = 0; i < 3; ++i)
+    spec.bodies.push_back(bar_body(numbered("link", i + 1), at[i], at[i + 1], 1 + 0.2 * i, 0.03));
   for (int i = 0; i < 4; ++i) {
     const std::string first = i == 0 ? "ground" : numbered("link", i);
     const std::string second = i == 3 ? "ground" : numbered("link", i + 1);
@@ -97,7 +97,8 @@ BodySpec flyball_arm(const std::string& name, const Point& hinge, const Point& d
     const Point r = p - centre;
     return m * (r.squaredNorm() * Eigen::Matrix3d::Identity() - r * r.transpose());
   };
-  const Eigen::Matrix3d rod = kRodMass / 12 * (2 * kWidth * kWidth * along + (kLength * kLength + kWidth * kWidth) * across);
+  const Eigen::Matrix3d rod =
+      kRodMass / 12 * (2 * kWidth * kWidth * along + (kLength * kLength + kWidth * kWidth) * across);
   return tensor_body(name, centre, rod + of_point(kRodMass, middle) + of_point(kBallMass, tip), mass);
 }
 
