@@ -1,0 +1,82 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "ferrers/kinematics/coordinates.h"
+
+/// A system with its inertias, force elements and drives laid out for evaluation. Const; shared.
+namespace ferrers {
+
+struct NodeInertia {
+  double mass_kg = 0;
+  Vector3d com_N = Vector3d::Zero();      ///< Mass centre in the node frame, m.
+  Matrix3d I_N = Matrix3d::Zero();        ///< About the mass centre, node axes, kg·m².
+};
+
+/// A law with its inputs resolved to coordinates.
+struct BoundLaw {
+  Law law;
+  std::vector<LawInput::Kind> kinds;
+  std::vector<CoordinateAccess> accesses;  ///< One per input; unused for time.
+  double evaluate(const System& system, const State& state, const PositionKinematics& pos,
+                  const VelocityKinematics& vel) const;
+};
+
+struct BoundSpring {
+  NodePoint point_1, point_2;
+  double stiffness = 0, damping = 0, free_length_m = 0;
+};
+struct BoundTorsionSpring {
+  CoordinateAccess access;
+  double stiffness = 0, damping = 0, free_angle = 0;
+};
+struct BoundBushing {
+  FramePair frames;
+  Vector6d stiffness, damping;
+};
+struct BoundLoad {
+  NodePoint point;
+  Matrix3d R_NB = Matrix3d::Identity();  ///< Body axes in the node frame.
+  bool is_torque = false, in_body_axes = false;
+  std::array<BoundLaw, 3> components;
+};
+
+/// One scalar that a drive moves: a joint coordinate, the distance of two points, or a component of a point's position.
+struct DriveComponent {
+  std::string name;
+  DriveId drive;
+  int component = 0;
+  Drive::Kind kind = Drive::Kind::kCoordinate;
+  JointCoordinate coordinate;
+  CoordinateAccess access;  ///< kCoordinate.
+  FramePair frames;         ///< kDistance, kPoint: origins of F and M are the points.
+  std::optional<Law> motion;
+  std::optional<BoundLaw> effort;
+};
+
+struct DynamicsModel {
+  std::shared_ptr<const System> system;
+  std::vector<NodeInertia> inertias;  ///< Per node.
+  std::vector<BoundSpring> springs;
+  std::vector<BoundTorsionSpring> torsion_springs;  ///< Also joint damping and viscous joint friction.
+  std::vector<BoundBushing> bushings;
+  std::vector<BoundLoad> loads;
+  std::vector<DriveComponent> drives;  ///< nu of them.
+  std::vector<std::string> massless_bodies;  ///< Bodies without a given mass: dynamics must refuse them.
+  std::vector<std::string> unsupported;      ///< What the model asks and the dynamics cannot do, in words.
+  bool has_forces = false;
+  int nu() const { return static_cast<int>(drives.size()); }
+};
+
+std::shared_ptr<const DynamicsModel> make_dynamics_model(std::shared_ptr<const System> system);
+
+/// The scalar a drive moves, as a jet with its frames' wrench; and its row ∂rate/∂v.
+Jet measure_drive(const DynamicsModel& model, const DriveComponent& drive, const State& state,
+                  const PositionKinematics& pos, const VelocityKinematics& vel);
+void add_drive_row(const DynamicsModel& model, const DriveComponent& drive, const PositionKinematics& pos,
+                   const Jet& jet, Eigen::Ref<Eigen::RowVectorXd> row);
+
+}  // namespace ferrers

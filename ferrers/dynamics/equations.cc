@@ -1,0 +1,172 @@
+#include "ferrers/dynamics/equations.h"
+
+namespace ferrers {
+
+Equations make_equations(const DynamicsModel& model) {
+  const System& system = *model.system;
+  Equations eq;
+  eq.pos = make_position_kinematics(system);
+  eq.vel = make_velocity_kinematics(system);
+  eq.constraints = make_constraint_kinematics(system);
+  eq.M = MatrixXd::Zero(system.nv, system.nv);
+  eq.h = eq.tau = eq.force = VectorXd::Zero(system.nv);
+  eq.B_transposed = RowMatrixXd::Zero(model.nu(), system.nv);
+  eq.u = VectorXd::Zero(model.nu());
+  eq.composites.resize(system.nodes.size());
+  eq.applied.assign(system.nodes.size(), Wrenches::Zero(6, 1));
+  return eq;
+}
+
+namespace {
+
+// World inertias of the single bodies, about their node's origin.
+void load_composites(const DynamicsModel& model, const PositionKinematics& pos, bool with_wrench,
+                     const VelocityKinematics& vel, std::vector<Equations::Composite>& composites) {
+  const Vector3d gravity = model.system->model->gravity();
+  for (std::size_t i = 1; i < composites.size(); ++i) {
+    const NodeInertia& body = model.inertias[i];
+    const Matrix3d& R = pos.nodes[i].R;
+    Equations::Composite& c = composites[i];
+    const Vector3d r = R * body.com_N;
+    const Matrix3d I_c = R * body.I_N * R.transpose();
+    const double m = body.mass_kg;
+    c.mass = m;
+    c.first_moment = m * r;
+    // Parallel axes: I = I_c + m (|r|² 1 − r rᵀ).
+    c.inertia = I_c - c.first_moment * r.transpose();
+    c.inertia.diagonal().array() += c.first_moment.dot(r);
+    if (!with_wrench) continue;
+    const VelocityKinematics::NodeVelocity& k = vel.nodes[i];
+    const Vector3d force = m * (k.a + k.alpha.cross(r) + k.w.cross(k.w.cross(r)) - gravity);
+    const Vector3d spin = I_c * k.alpha + k.w.cross(I_c * k.w);
+    c.wrench.head<3>() = spin + r.cross(force);
+    c.wrench.tail<3>() = force;
+  }
+}
+
+// Adds a child's composite to its parent's: everything moves from the child's origin to the parent's, r away.
+void shift_to_parent(const Equations::Composite& child, const Vector3d& r, Equations::Composite& parent) {
+  // I' = I − [r]×[s]× − [s]×[r]× − m [r]×[r]×, with [a]×[b]× = b aᵀ − (a·b) 1.
+  const Vector3d& s = child.first_moment;
+  parent.inertia += child.inertia - s * r.transpose() - r * s.transpose() - child.mass * r * r.transpose();
+  parent.inertia.diagonal().array() += 2 * r.dot(s) + child.mass * r.squaredNorm();
+  parent.mass += child.mass;
+  parent.first_moment += s + child.mass * r;
+  parent.wrench.head<3>() += child.wrench.head<3>() + r.cross(child.wrench.tail<3>());
+  parent.wrench.tail<3>() += child.wrench.tail<3>();
+}
+
+// One column of M: the composite's momentum for a unit rate, worked on by every joint between it and ground.
+void fill_mass_column(const System& system, const PositionKinematics& pos, const Equations::Composite& c, int index,
+                      int column, MatrixXd& M) {
+  const Twist& S = pos.S[column];
+  Vector3d force = c.mass * S.tail<3>() - c.first_moment.cross(S.head<3>());
+  Vector3d moment = c.inertia * S.head<3>() + c.first_moment.cross(S.tail<3>());
+  int i = index;
+  while (true) {
+    const Node& node = system.nodes[i];
+    for (int k = node.v; k < node.v + node.nv; ++k) {
+      const double value = moment.dot(pos.S[k].head<3>()) + force.dot(pos.S[k].tail<3>());
+      M(k, column) = value;
+      M(column, k) = value;
+    }
+    if (node.parent <= 0) break;
+    moment += (pos.nodes[i].p - pos.nodes[node.parent].p).cross(force);
+    i = node.parent;
+  }
+}
+
+void sweep(const DynamicsModel& model, Equations& eq, bool with_bias) {
+  const System& system = *model.system;
+  load_composites(model, eq.pos, with_bias, eq.vel, eq.composites);
+  eq.M.setZero();
+  for (int i = static_cast<int>(system.nodes.size()) - 1; i > 0; --i) {
+    const Node& node = system.nodes[i];
+    const Equations::Composite& c = eq.composites[i];
+    for (int k = node.v; k < node.v + node.nv; ++k) {
+      fill_mass_column(system, eq.pos, c, i, k, eq.M);
+      if (with_bias) eq.h[k] = c.wrench.dot(eq.pos.S[k]);
+    }
+    if (node.parent > 0) {
+      shift_to_parent(c, eq.pos.nodes[i].p - eq.pos.nodes[node.parent].p, eq.composites[node.parent]);
+    }
+  }
+}
+
+}  // namespace
+
+void compute_kinematics(const DynamicsModel& model, const State& state, Equations& out) {
+  const System& system = *model.system;
+  compute_positions(system, state.q, out.pos);
+  compute_velocities(system, out.pos, state.q, state.v, out.vel);
+  compute_constraints(system, state, out.pos, out.vel, out.constraints);
+}
+
+void compute_mass_and_bias(const DynamicsModel& model, Equations& out) { sweep(model, out, true); }
+
+void compute_mass_matrix(const DynamicsModel& model, Equations& out) {
+  for (Equations::Composite& c : out.composites) c.wrench.setZero();
+  sweep(model, out, false);
+}
+
+void compute_applied_forces(const DynamicsModel& model, const State& state, Equations& out) {
+  const System& system = *model.system;
+  out.tau.setZero();
+  if (model.has_forces) {
+    for (Wrenches& w : out.applied) w.setZero();
+    compute_force_elements(model, state, out.pos, out.vel, out.applied, out.tau);
+    for (int i = static_cast<int>(system.nodes.size()) - 1; i > 0; --i) {
+      const Node& node = system.nodes[i];
+      const auto w = out.applied[i].col(0);
+      for (int k = node.v; k < node.v + node.nv; ++k) out.tau[k] += w.dot(out.pos.S[k]);
+      auto parent = out.applied[node.parent].col(0);
+      parent.head<3>() +=
+          w.head<3>() + (out.pos.nodes[i].p - out.pos.nodes[node.parent].p).cross(Vector3d(w.tail<3>()));
+      parent.tail<3>() += w.tail<3>();
+    }
+  }
+  out.B_transposed.setZero();
+  for (int i = 0; i < model.nu(); ++i) {
+    const DriveComponent& drive = model.drives[i];
+    add_drive_row(model, drive, out.pos, measure_drive(model, drive, state, out.pos, out.vel), out.B_transposed.row(i));
+    out.u[i] = drive.effort ? drive.effort->evaluate(system, state, out.pos, out.vel) : 0;
+  }
+}
+
+void compute_equations(const DynamicsModel& model, const State& state, Equations& out) {
+  compute_kinematics(model, state, out);
+  compute_mass_and_bias(model, out);
+  compute_applied_forces(model, state, out);
+  out.force = out.tau - out.h;
+  for (int i = 0; i < model.nu(); ++i) out.force += out.u[i] * out.B_transposed.row(i).transpose();
+}
+
+Energy compute_energy(const DynamicsModel& model, const State& state, const PositionKinematics& pos,
+                      const VelocityKinematics& vel) {
+  Energy energy;
+  const Vector3d gravity = model.system->model->gravity();
+  for (std::size_t i = 1; i < model.inertias.size(); ++i) {
+    const NodeInertia& body = model.inertias[i];
+    const NodePoint com{static_cast<int>(i), body.com_N};
+    const Vector3d w_N = pos.nodes[i].R.transpose() * vel.nodes[i].w;
+    energy.kinetic += 0.5 * body.mass_kg * point_velocity(pos, vel, com).squaredNorm() + 0.5 * w_N.dot(body.I_N * w_N);
+    energy.gravity -= body.mass_kg * gravity.dot(point_position(pos, com));
+  }
+  for (const BoundSpring& s : model.springs) {
+    const double stretch = (point_position(pos, s.point_2) - point_position(pos, s.point_1)).norm() - s.free_length_m;
+    energy.elastic += 0.5 * s.stiffness * stretch * stretch;
+  }
+  for (const BoundTorsionSpring& s : model.torsion_springs) {
+    const double turn = measure_coordinate(*model.system, s.access, state, pos, vel).value - s.free_angle;
+    energy.elastic += 0.5 * s.stiffness * turn * turn;
+  }
+  for (const BoundBushing& b : model.bushings) {
+    const RelativeMotion m = compute_relative_motion(b.frames, pos, vel);
+    const Vector3d d = m.R_F.transpose() * m.d, theta = rotation_log(m.R_F.transpose() * m.R_M);
+    energy.elastic += 0.5 * d.dot(b.stiffness.head<3>().cwiseProduct(d)) +
+                      0.5 * theta.dot(b.stiffness.tail<3>().cwiseProduct(theta));
+  }
+  return energy;
+}
+
+}  // namespace ferrers

@@ -1,0 +1,60 @@
+#pragma once
+
+#include "ferrers/dynamics/dynamics_model.h"
+#include "ferrers/kinematics/joint_wrenches.h"
+
+namespace ferrers {
+
+/// The equations of motion at one state [stepanyan, eq. (9)]:
+///
+///   M vdot + h = tau + B u + Gᵀ lambda,   G vdot = gamma
+///
+/// M: nv×nv mass matrix; h: nv, Coriolis and gravity; tau: nv, applied forces; B: nv×nu; u: nu drive efforts. One struct
+/// holds every stage of an evaluation, allocated once and refilled.
+struct Equations {
+  PositionKinematics pos;
+  VelocityKinematics vel;
+  ConstraintKinematics constraints;
+  MatrixXd M;
+  VectorXd h, tau;
+  RowMatrixXd B_transposed;  ///< nu×nv: rows of the drives' rates, ∂(rate)/∂v.
+  VectorXd u;                ///< Efforts of the drives that have an effort law, else 0.
+  VectorXd force;            ///< tau + B u − h.
+
+  // Work space.
+  struct Composite {
+    double mass = 0;
+    Vector3d first_moment;  ///< Σ m ρ about the node's origin.
+    Matrix3d inertia;       ///< About the node's origin.
+    Wrench wrench;          ///< Inertia and gravity wrench of the subtree.
+  };
+  std::vector<Composite> composites;
+  std::vector<Wrenches> applied;  ///< Per node, 6 × 1.
+};
+
+Equations make_equations(const DynamicsModel& model);
+
+/// Fills everything for `state`; drives take their effort laws. Allocates nothing. Cost: O(bodies · depth + rows · loop).
+void compute_equations(const DynamicsModel& model, const State& state, Equations& out);
+
+/// The parts of `compute_equations`, for callers that know some already.
+void compute_kinematics(const DynamicsModel& model, const State& state, Equations& out);
+void compute_mass_and_bias(const DynamicsModel& model, Equations& out);
+void compute_applied_forces(const DynamicsModel& model, const State& state, Equations& out);
+
+/// The mass matrix alone, at poses already computed.
+void compute_mass_matrix(const DynamicsModel& model, Equations& out);
+
+struct Energy {
+  double kinetic = 0, gravity = 0, elastic = 0;  ///< J; gravity is zero at the world's origin.
+  double total() const { return kinetic + gravity + elastic; }
+};
+Energy compute_energy(const DynamicsModel& model, const State& state, const PositionKinematics& pos,
+                      const VelocityKinematics& vel);
+
+/// Wrenches on the nodes from springs, bushings and loads, and efforts of joint springs and dampers along coordinates.
+/// `efforts` (nv) takes those of tree coordinates, `on_nodes` everything else.
+void compute_force_elements(const DynamicsModel& model, const State& state, const PositionKinematics& pos,
+                            const VelocityKinematics& vel, std::vector<Wrenches>& on_nodes, VectorXd& efforts);
+
+}  // namespace ferrers
