@@ -198,7 +198,7 @@ class TreeBuilder : public YAML::EventHandler {
     return true;
   }
 
-  void start_entry(DocumentNode node, const std::string& value) {
+  void start_entry(const DocumentNode& node, const std::string& value) {
     Frame& frame = frames_.back();
     frame.has_key = true;
     frame.key = value;

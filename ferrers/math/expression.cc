@@ -26,7 +26,7 @@ Expression Expression::constant(double value) {
   return Expression(builder.finish(builder.literal(value), {}));
 }
 
-Expression Expression::variable(std::string name) {
+Expression Expression::variable(std::string_view name) {
   ExpressionTreeBuilder builder;
   return Expression(builder.finish(builder.variable(name, {}), {}));
 }

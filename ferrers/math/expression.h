@@ -43,7 +43,7 @@ class Expression {
  public:
   Expression();                              ///< The constant 0.
   static Expression constant(double value);  ///< Throws `std::invalid_argument` when not finite.
-  static Expression variable(std::string name);
+  static Expression variable(std::string_view name);
 
   /// Parses `text` (without the leading '='), whose first byte stands at `at` in the file; errors go to `diagnostics`
   /// with their exact column (from column 1 when `at` is unknown). At most 16384 bytes, 200 levels of nesting.
