@@ -1,0 +1,57 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ferrers/dynamics/reactions.h"
+
+namespace ferrers {
+
+/// One row of output: everything that a run's files show at one time.
+struct RunSample {
+  double t = 0;
+  std::vector<double> values;             ///< In the order of `Recorder::columns()`, which starts with "t".
+  std::vector<JointReaction> reactions;   ///< Per joint, in file order; empty where none are known (kinematics).
+  double energy = 0;                      ///< J.
+  double constraint_residual = 0;         ///< Largest |phi| over all rows, rotations times L; m.
+};
+
+/// The largest load of one joint over a run.
+struct JointPeak {
+  std::optional<double> force, moment;  ///< N, N·m: norms; empty while no sample had all three components determined.
+  double force_t = 0, moment_t = 0;
+  bool force_determined = true, moment_determined = true;  ///< False: some sample had undetermined components.
+};
+
+/// Turns states into rows of output: measures every joint coordinate, recorded point, effort and reaction.
+class Recorder {
+ public:
+  Recorder(std::shared_ptr<const DynamicsModel> model, ReactionAxes axes = ReactionAxes::kWorld);
+
+  /// "t"; per joint coordinate JOINT.COORDINATE, .velocity, .acceleration; DRIVE.effort; POINT.x .y .z; "energy".
+  const std::vector<std::string>& columns() const { return columns_; }
+  const DynamicsModel& model() const { return *model_; }
+
+  /// `eq` filled at `state`; `with_reactions` false leaves reactions empty.
+  const RunSample& record(const State& state, const Equations& eq, const Selection& selection, const VectorXd& vdot,
+                          const VectorXd& lambda, const VectorXd& u, bool with_reactions);
+
+  const std::vector<JointPeak>& peaks() const { return peaks_; }
+
+ private:
+  void follow_peaks();
+
+  std::shared_ptr<const DynamicsModel> model_;
+  ReactionAxes axes_;
+  ReactionSolver reactions_;
+  Scaling scaling_;
+  std::vector<std::string> columns_;
+  std::vector<NodePoint> points_;
+  VelocityKinematics accelerations_;
+  RunSample sample_;
+  std::vector<JointPeak> peaks_;
+};
+
+}  // namespace ferrers

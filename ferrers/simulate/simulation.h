@@ -1,0 +1,96 @@
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ferrers/dynamics/initial_state.h"
+#include "ferrers/simulate/recorder.h"
+
+namespace ferrers {
+
+enum class Integrator {
+  kRungeKutta4,           ///< "runge-kutta-4": fourth order with projection; fixed step, or step doubling to a tolerance.
+  kConstantAcceleration,  ///< "constant-acceleration": the paper's, independent accelerations held over a step.
+};
+std::string_view to_string(Integrator integrator);
+std::optional<Integrator> find_integrator(std::string_view name);
+
+struct OutputGrid {
+  double t_end = 10;    ///< s.
+  double every = 0.01;  ///< s; rows at exactly k·every, and one at the end (within 1e-9·every it is on the grid).
+  std::vector<double> times() const;
+};
+
+/// Watching a long run: called with the time reached; `stop` set from outside ends it after the current step.
+struct RunControl {
+  std::function<void(const RunSample&)> on_sample;  ///< Called once per row, in order, as soon as it is known.
+  std::function<void(double t)> on_progress;
+  const std::atomic<bool>* stop = nullptr;
+};
+
+struct SimulationOptions {
+  OutputGrid grid;
+  Integrator integrator = Integrator::kRungeKutta4;
+  std::optional<double> step;       ///< s: fixed step (shortened to meet the output grid evenly).
+  std::optional<double> tolerance;  ///< Local error per second, relative to L and 1 rad; default 1e-10.
+  Formulation formulation = Formulation::kNullSpace;
+  bool with_reactions = true;
+  ReactionAxes axes = ReactionAxes::kWorld;
+};
+
+enum class RunStatus {
+  kFinished,
+  kStopped,             ///< By `RunControl::stop` or a `stop` event; what was computed is valid.
+  kNotAssembled,        ///< No initial state; see `message`.
+  kInconsistentVelocities,
+  kSingularMass,
+  kStepTooSmall,        ///< The error cannot be kept with any step: a singular pose, or forces that are not smooth.
+  kRedundancyEnded,     ///< Rows left out as dependent are no longer fulfilled, and no new decision could be made.
+  kBadMotion,           ///< Prescribed motion not determined or not reachable; see `message`.
+  kUnsupported,         ///< The model asks for something that this version cannot do; see `message`.
+};
+
+/// A decision about rows and coordinates, and when it was taken.
+struct DecisionRecord {
+  double t = 0;
+  int rank = 0, mobility = 0;
+  std::vector<std::string> excluded_rows, independent_coordinates;
+  std::string reason;
+};
+
+struct RunSummary {
+  RunStatus status = RunStatus::kFinished;
+  std::string message;
+  std::string method;       ///< What was chosen, in words: integrator, step or tolerance, formulation.
+  double t_reached = 0;
+  long steps = 0, rejected_steps = 0, evaluations = 0;
+  double smallest_step = 0, largest_step = 0;  ///< s.
+  double wall_time_s = 0;   ///< Of the integration with its output.
+  double max_constraint_residual = 0;  ///< m.
+  double energy_start = 0, energy_end = 0, energy_min = 0, energy_max = 0;  ///< J.
+  std::vector<DecisionRecord> decisions;
+  std::vector<std::string> notices;
+  std::vector<JointPeak> peaks;  ///< Per joint.
+};
+
+/// Forward simulation (the paper's inverse problem). Samples go to `control.on_sample`.
+RunSummary simulate(std::shared_ptr<const DynamicsModel> model, const SimulationOptions& options,
+                    const RunControl& control);
+
+struct PrescribedOptions {
+  OutputGrid grid;
+  bool with_efforts = true;  ///< False: kinematics only, masses not needed.
+  ReactionAxes axes = ReactionAxes::kWorld;
+};
+
+/// Inverse dynamics or kinematics on the output grid (the paper's direct problem).
+RunSummary run_prescribed(std::shared_ptr<const DynamicsModel> model, const PrescribedOptions& options,
+                          const RunControl& control);
+
+/// The rows that every run writes: names of `result.csv`'s columns.
+std::vector<std::string> run_columns(const DynamicsModel& model);
+
+}  // namespace ferrers
