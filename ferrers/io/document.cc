@@ -87,7 +87,7 @@ class TreeBuilder : public YAML::EventHandler {
     DocumentNode node = scalar(offset, tag, value);
     check_indentation(offset);
     if (is_key_position()) {
-      start_entry(std::move(node), value);
+      start_entry(node, value);
     } else {
       attach(std::move(node));
     }

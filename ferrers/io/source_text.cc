@@ -52,7 +52,7 @@ SourceRange SourceText::range(std::size_t offset, std::size_t length) const {
   offset = std::min(offset, text_.size());
   const auto next = std::upper_bound(line_starts_.begin(), line_starts_.end(), offset);
   const std::size_t start = *(next - 1);
-  std::size_t end = std::min(text_.find('\n', offset), text_.size());
+  std::size_t end = next == line_starts_.end() ? text_.size() : *next - 1;
   if (end > offset && text_[end - 1] == '\r') --end;
   SourceRange range;
   range.line = static_cast<int>(next - line_starts_.begin());
