@@ -39,6 +39,8 @@ class ForwardSolver {
   virtual ~ForwardSolver() = default;
   /// Allocates nothing.
   virtual void solve(const Equations& eq, ForwardResult& out) = 0;
+  /// Smallest pivot of the last factorization of the chosen rows: compare it with the one when they were chosen.
+  virtual double smallest_pivot() const = 0;
 };
 
 std::unique_ptr<ForwardSolver> make_forward_solver(Formulation formulation, const System& system,

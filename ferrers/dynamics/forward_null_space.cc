@@ -67,6 +67,10 @@ class NullSpaceSolver final : public ForwardSolver {
     if (!out.vdot.allFinite()) out.status = ForwardStatus::kWornSelection;
   }
 
+  double smallest_pivot() const override {
+    return r_ > 0 ? lu_.matrixLU().diagonal().cwiseAbs().minCoeff() : 1.0;
+  }
+
  private:
   void gather(const ConstraintKinematics& c) {
     for (int i = 0; i < r_; ++i) {

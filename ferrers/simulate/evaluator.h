@@ -1,0 +1,56 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "ferrers/dynamics/forward.h"
+#include "ferrers/kinematics/projection.h"
+#include "ferrers/simulate/simulation.h"
+
+namespace ferrers {
+
+/// Evaluates accelerations with the decision in force, and watches that it stays true.
+///
+/// *Decide*: `decide` takes the rank and the selection at an assembled state. *Evaluate*: `evaluate` runs straight-line
+/// algebra with it. *Watch*: `is_worn` compares the pivots with those at the decision; `left_out_residual` is how far the
+/// rows left out are from holding.
+class Evaluator {
+ public:
+  Evaluator(std::shared_ptr<const DynamicsModel> model, Formulation formulation);
+
+  /// Decides at `state` and records it. With `keep_rank` only rows and coordinates are chosen anew.
+  void decide(const State& state, bool keep_rank, const std::string& reason, RunSummary& summary);
+
+  ForwardStatus evaluate(const State& state);
+  /// Projects onto the constraints in the mass metric of the last evaluation. Returns the residual left, m.
+  double project(State& state);
+  bool is_worn() const;
+  double left_out_residual() const;  ///< Largest scaled residual of all rows at the last evaluation, m.
+
+  const System& system() const { return *model_->system; }
+  const DynamicsModel& model() const { return *model_; }
+  const Scaling& scaling() const { return scaling_; }
+  const Selection& selection() const { return selection_; }
+  const Equations& equations() const { return eq_; }
+  const ForwardResult& result() const { return result_; }
+  long evaluations() const { return evaluations_; }
+
+ private:
+  std::shared_ptr<const DynamicsModel> model_;
+  Formulation formulation_;
+  Scaling scaling_;
+  Equations eq_;
+  ForwardResult result_;
+  Selection selection_;
+  std::unique_ptr<ForwardSolver> solver_;
+  std::unique_ptr<Projector> projector_;
+  Eigen::LLT<MatrixXd> metric_;
+  ConstraintKinematics projected_;
+  PositionKinematics projected_pos_;
+  VelocityKinematics projected_vel_;
+  double healthy_pivot_ = 0;
+  bool pivot_known_ = false;
+  long evaluations_ = 0;
+};
+
+}  // namespace ferrers

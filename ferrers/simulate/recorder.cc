@@ -1,0 +1,87 @@
+#include "ferrers/simulate/recorder.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ferrers {
+
+Recorder::Recorder(std::shared_ptr<const DynamicsModel> model, ReactionAxes axes)
+    : model_(std::move(model)),
+      axes_(axes),
+      reactions_(model_),
+      scaling_(make_scaling(*model_->system)),
+      accelerations_(make_velocity_kinematics(*model_->system)) {
+  const System& system = *model_->system;
+  columns_.emplace_back("t");
+  for (const Joint& joint : system.model->joints()) {
+    const JointTypeInfo& type = joint_type_info(joint.type);
+    for (int i = 0; i < type.nq; ++i) columns_.push_back(joint.name + "." + std::string(type.position_names[i]));
+    for (const std::string suffix : {".velocity", ".acceleration"}) {
+      for (int i = 0; i < type.nv; ++i) columns_.push_back(joint.name + "." + std::string(type.coordinates[i].name) + suffix);
+    }
+  }
+  for (const DriveComponent& drive : model_->drives) columns_.push_back(drive.name + ".effort");
+  for (const RecordedPoint& point : system.model->records()) {
+    points_.push_back(system.point(point.body, point.point_m));
+    for (const char* axis : {".x", ".y", ".z"}) columns_.push_back(point.name + axis);
+  }
+  columns_.emplace_back("energy");
+  sample_.values.resize(columns_.size());
+  peaks_.resize(system.model->joints().size());
+}
+
+const RunSample& Recorder::record(const State& state, const Equations& eq, const Selection& selection,
+                                  const VectorXd& vdot, const VectorXd& lambda, const VectorXd& u,
+                                  bool with_reactions) {
+  const System& system = *model_->system;
+  sample_.t = state.t;
+  sample_.reactions.clear();
+  compute_accelerations(system, eq.pos, eq.vel, vdot, accelerations_);
+  auto out = sample_.values.begin();
+  *out++ = state.t;
+  for (std::size_t j = 0; j < system.model->joints().size(); ++j) {
+    const JointTypeInfo& type = joint_type_info(system.model->joints()[j].type);
+    const JointMotion motion = measure_joint(system, JointId(j), state, vdot, eq.pos, accelerations_);
+    out = std::copy_n(motion.q, type.nq, out);
+    out = std::copy_n(motion.v, type.nv, out);
+    out = std::copy_n(motion.vdot, type.nv, out);
+  }
+  for (int i = 0; i < model_->nu(); ++i) *out++ = u[i];
+  for (const NodePoint& point : points_) {
+    const Vector3d p = point_position(eq.pos, point);
+    out = std::copy_n(p.data(), 3, out);
+  }
+  sample_.energy = compute_energy(*model_, state, eq.pos, eq.vel).total();
+  *out = sample_.energy;
+  sample_.constraint_residual =
+      system.m > 0 ? eq.constraints.phi.cwiseProduct(scaling_.rows).cwiseAbs().maxCoeff() : 0.0;
+  if (with_reactions) {
+    sample_.reactions = reactions_.solve(state, eq, selection, vdot, lambda, u, axes_);
+    follow_peaks();
+  }
+  return sample_;
+}
+
+void Recorder::follow_peaks() {
+  const auto follow = [&](const JointReaction& r, int first, std::optional<double>& peak, double& at, bool& determined) {
+    double square = 0;
+    for (int k = first; k < first + 3; ++k) {
+      if (r.status[k] == ReactionStatus::kUndetermined) {
+        determined = false;
+        return;
+      }
+      square += r.value[k] * r.value[k];
+    }
+    const double norm = std::sqrt(square);
+    if (peak && norm <= *peak) return;
+    peak = norm;
+    at = sample_.t;
+  };
+  for (std::size_t j = 0; j < peaks_.size(); ++j) {
+    JointPeak& p = peaks_[j];
+    follow(sample_.reactions[j], 0, p.force, p.force_t, p.force_determined);
+    follow(sample_.reactions[j], 3, p.moment, p.moment_t, p.moment_determined);
+  }
+}
+
+}  // namespace ferrers

@@ -1,0 +1,279 @@
+#include "ferrers/simulate/simulation.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+#include "ferrers/core/checks.h"
+#include "ferrers/simulate/stepper.h"
+
+namespace ferrers {
+namespace {
+
+constexpr double kDefaultTolerance = 1e-10;
+
+constexpr std::array<std::pair<Integrator, std::string_view>, 2> kIntegrators = {
+    {{Integrator::kRungeKutta4, "runge-kutta-4"}, {Integrator::kConstantAcceleration, "constant-acceleration"}}};
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%g", value);
+  return text;
+}
+
+// One run: the loop "step, watch, output", with its bookkeeping.
+class Run {
+ public:
+  Run(std::shared_ptr<const DynamicsModel> model, const SimulationOptions& options, const RunControl& control)
+      : model_(std::move(model)),
+        options_(options),
+        control_(control),
+        evaluator_(model_, options.formulation),
+        recorder_(model_, options.axes) {}
+
+  RunSummary go() {
+    const auto begin = std::chrono::steady_clock::now();
+    if (start()) march();
+    summary_.evaluations = evaluator_.evaluations();
+    summary_.peaks = recorder_.peaks();
+    summary_.wall_time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    return std::move(summary_);
+  }
+
+ private:
+  bool fail(RunStatus status, std::string message) {
+    summary_.status = status;
+    summary_.message = std::move(message);
+    return false;
+  }
+
+  bool start() {
+    const InitialStateResult initial = make_initial_state(*model_);
+    if (initial.status == InitialStateStatus::kNotAssembled) return fail(RunStatus::kNotAssembled, initial.message);
+    if (initial.status == InitialStateStatus::kInconsistentVelocities) {
+      return fail(RunStatus::kInconsistentVelocities, initial.message);
+    }
+    state_ = initial.state;
+    next_ = state_;
+    choose_method();
+    for (const DriveComponent& drive : model_->drives) {
+      if (!drive.effort) summary_.notices.push_back("drive '" + drive.name + "' has no effort law: it does not act");
+    }
+    evaluator_.decide(state_, false, "start", summary_);
+    if (!evaluate(state_)) return false;
+    emit();
+    summary_.energy_start = summary_.energy_min = summary_.energy_max = energy_;
+    return true;
+  }
+
+  void choose_method() {
+    summary_.method = std::string(to_string(options_.integrator));
+    adaptive_ = options_.integrator == Integrator::kRungeKutta4 && !options_.step;
+    tolerance_ = options_.tolerance.value_or(kDefaultTolerance);
+    if (options_.integrator == Integrator::kConstantAcceleration) {
+      stepper_ = make_constant_acceleration(evaluator_);
+    } else {
+      stepper_ = adaptive_ ? make_runge_kutta_doubling(evaluator_) : make_runge_kutta_4(evaluator_);
+    }
+    if (adaptive_) {
+      summary_.method += ", step doubling, tolerance " + number(tolerance_);
+    } else {
+      step_ = options_.step.value_or(options_.grid.every / 10);
+      summary_.method += ", fixed step " + number(step_) + " s";
+    }
+    summary_.method += ", " + std::string(to_string(options_.formulation));
+  }
+
+  bool evaluate(const State& state) {
+    switch (evaluator_.evaluate(state)) {
+      case ForwardStatus::kSolved: return true;
+      case ForwardStatus::kSingularMass:
+        return fail(RunStatus::kSingularMass,
+                    "the mass matrix is singular on the admissible motions at t = " + number(state.t) +
+                        " s: some motion moves no mass; give the bodies that it moves a mass or an inertia");
+      case ForwardStatus::kWornSelection: break;
+    }
+    return fail(RunStatus::kStepTooSmall, "accelerations cannot be computed at t = " + number(state.t) + " s");
+  }
+
+  void emit() {
+    const RunSample& sample =
+        recorder_.record(state_, evaluator_.equations(), evaluator_.selection(), evaluator_.result().vdot,
+                         evaluator_.result().lambda, evaluator_.equations().u, options_.with_reactions);
+    energy_ = sample.energy;
+    summary_.energy_end = energy_;
+    summary_.energy_min = std::min(summary_.energy_min, energy_);
+    summary_.energy_max = std::max(summary_.energy_max, energy_);
+    summary_.max_constraint_residual = std::max(summary_.max_constraint_residual, sample.constraint_residual);
+    summary_.t_reached = state_.t;
+    if (control_.on_sample) control_.on_sample(sample);
+  }
+
+  void march() {
+    const std::vector<double> times = options_.grid.times();
+    for (std::size_t i = 1; i < times.size(); ++i) {
+      if (!advance_to(times[i])) return;
+      state_.t = times[i];
+      emit();
+      if (control_.on_progress) control_.on_progress(state_.t);
+      if (control_.stop && control_.stop->load(std::memory_order_relaxed)) {
+        fail(RunStatus::kStopped, "interrupted at t = " + number(state_.t) + " s");
+        return;
+      }
+    }
+  }
+
+  // Steps until `t`, landing on it. The state and its accelerations are then known.
+  bool advance_to(double t) {
+    const double from = state_.t;
+    if (!adaptive_) {
+      const long count = std::max(1L, std::lround(std::ceil((t - from) / step_ * (1 - 1e-9))));
+      for (long i = 1; i <= count; ++i) {
+        const double end = i == count ? t : from + (t - from) * static_cast<double>(i) / static_cast<double>(count);
+        if (!take_step(end - state_.t)) return false;
+        state_.t = end;
+      }
+      return true;
+    }
+    while (state_.t < t) {
+      const double left = t - state_.t;
+      if (step_ <= 0) step_ = std::min(left, 0.1 * first_step());
+      const double h = step_ >= left ? left : (2 * step_ > left ? 0.5 * left : step_);
+      if (!take_step(h)) return false;
+      if (t - state_.t < 1e-12 * std::max(left, h)) state_.t = t;
+    }
+    return true;
+  }
+
+  // A time in which nothing much happens: from the fastest rate or acceleration.
+  double first_step() const {
+    const VectorXd unit = evaluator_.scaling().columns * evaluator_.scaling().length_m;
+    double rate = 0;
+    if (system().nv > 0) {
+      rate = std::max(state_.v.cwiseQuotient(unit).cwiseAbs().maxCoeff(),
+                      std::sqrt(evaluator_.result().vdot.cwiseQuotient(unit).cwiseAbs().maxCoeff()));
+    }
+    return rate > 0 ? 0.1 / rate : options_.grid.every;
+  }
+
+  bool take_step(double h) {
+    Stepper::Outcome outcome = stepper_->step(evaluator_, state_, h, next_);
+    if (adaptive_) {
+      while (!outcome.finite || outcome.error > allowed_error(h)) {
+        ++summary_.rejected_steps;
+        const double shrink = outcome.finite ? std::clamp(0.9 * std::pow(allowed_error(h) / outcome.error, 0.25), 0.1, 0.7) : 0.25;
+        h *= shrink;
+        step_ = h;
+        if (h < 1e-12 * std::max(1e-3 * options_.grid.every, std::abs(state_.t)) || h < 1e-14 * first_step()) return stuck(h);
+        if (!evaluate(state_)) return false;
+        outcome = stepper_->step(evaluator_, state_, h, next_);
+      }
+      const double growth = outcome.error > 0 ? 0.9 * std::pow(allowed_error(h) / outcome.error, 0.25) : 4;
+      const double proposed = h * std::clamp(growth, 0.2, 4.0);
+      if (h >= step_ * 0.999 || proposed < step_) step_ = proposed;
+    } else if (!outcome.finite) {
+      return stuck(h);
+    }
+    ++summary_.steps;
+    summary_.largest_step = std::max(summary_.largest_step, h);
+    summary_.smallest_step = summary_.smallest_step > 0 ? std::min(summary_.smallest_step, h) : h;
+    return accept();
+  }
+
+  // Error per unit of motion: a step may err by the tolerance times how far things move in it.
+  double allowed_error(double h) const {
+    const double swept = 0.1 * h / first_step();
+    return tolerance_ * std::clamp(swept, 1e-3, 1.0);
+  }
+
+  bool stuck(double h) {
+    return fail(RunStatus::kStepTooSmall, "no step down to " + number(h) + " s keeps the error at t = " +
+                                              number(state_.t) + " s: a singular pose, or forces that are not smooth");
+  }
+
+  bool accept() {
+    std::swap(state_, next_);
+    if (!evaluate(state_)) return false;
+    accept_winding(system(), evaluator_.equations().pos, state_);
+    if (evaluator_.left_out_residual() > 1e4 * closed_tolerance(evaluator_.scaling())) {
+      return fail(RunStatus::kRedundancyEnded,
+                  "at t = " + number(state_.t) + " s constraints that were left out as dependent no longer hold (by " +
+                      number(evaluator_.left_out_residual()) +
+                      " m): the redundancy seen at the last decision held only at that pose");
+    }
+    if (evaluator_.is_worn()) {
+      evaluator_.decide(state_, true, "the chosen coordinates became ill-conditioned", summary_);
+      return evaluate(state_);
+    }
+    return true;
+  }
+
+  const System& system() const { return *model_->system; }
+
+  std::shared_ptr<const DynamicsModel> model_;
+  const SimulationOptions& options_;
+  const RunControl& control_;
+  Evaluator evaluator_;
+  Recorder recorder_;
+  std::unique_ptr<Stepper> stepper_;
+  RunSummary summary_;
+  State state_, next_;
+  bool adaptive_ = false;
+  double tolerance_ = 0, step_ = 0, energy_ = 0;
+};
+
+}  // namespace
+
+std::string_view to_string(Integrator integrator) {
+  for (const auto& [value, name] : kIntegrators) {
+    if (value == integrator) return name;
+  }
+  return "";
+}
+
+std::optional<Integrator> find_integrator(std::string_view name) {
+  for (const auto& [value, text] : kIntegrators) {
+    if (text == name) return value;
+  }
+  return std::nullopt;
+}
+
+std::vector<double> OutputGrid::times() const {
+  require(t_end >= 0 && every > 0, "OutputGrid: the end must not be negative and the spacing must be positive");
+  std::vector<double> times;
+  const double ratio = t_end / every;
+  const auto whole = static_cast<long>(std::floor(ratio + 1e-9));
+  times.reserve(static_cast<std::size_t>(whole) + 2);
+  for (long k = 0; k <= whole; ++k) times.push_back(static_cast<double>(k) * every);
+  if (ratio - static_cast<double>(whole) > 1e-9) times.push_back(t_end);
+  return times;
+}
+
+RunSummary simulate(std::shared_ptr<const DynamicsModel> model, const SimulationOptions& options,
+                    const RunControl& control) {
+  require(model != nullptr, "simulate: no model");
+  require(!options.step || *options.step > 0, "simulate: the step must be positive");
+  require(!options.tolerance || *options.tolerance > 0, "simulate: the tolerance must be positive");
+  std::vector<std::string> refused = model->unsupported;
+  if (!model->system->model->events().empty()) refused.emplace_back("events");
+  for (const Joint& joint : model->system->model->joints()) {
+    if (joint.type == JointType::kGearMesh && joint.constants.mesh_holds_as_drawn_only) {
+      refused.push_back("mesh '" + joint.name + "', which holds at the drawn pose only (give `axis` and `centers`)");
+    }
+  }
+  if (!refused.empty()) {
+    RunSummary summary;
+    summary.status = RunStatus::kUnsupported;
+    summary.message = "this model cannot be simulated: it has " + refused.front();
+    return summary;
+  }
+  return Run(std::move(model), options, control).go();
+}
+
+std::vector<std::string> run_columns(const DynamicsModel& model) {
+  return Recorder(std::make_shared<DynamicsModel>(model)).columns();
+}
+
+}  // namespace ferrers
