@@ -301,7 +301,8 @@ void report_syntax(const YAML::Exception& exception, const SourceText& source, D
     if (exception.msg == text.parser) return diagnostics.error("F107", at, text.message, text.hint);
   }
   if (exception.msg.rfind(YAML::ErrorMsg::INVALID_ESCAPE, 0) == 0) {
-    return diagnostics.error("F107", at, "unknown escape in a text in double quotes",
+    return diagnostics.error("F107", source.range(offset < 2 ? 0 : offset - 2, 2),  // the parser stands behind it
+                             "unknown escape in a text in double quotes",
                              "a backslash is written '\\\\'; in single quotes it stands for itself");
   }
   for (const char* anchor : {YAML::ErrorMsg::UNKNOWN_ANCHOR, YAML::ErrorMsg::ALIAS_NOT_FOUND,
@@ -355,7 +356,9 @@ std::optional<DocumentNode> parse_document(std::string_view text, Diagnostics& d
     while (parser.HandleNextDocument(builder)) {
     }
   } catch (const YAML::Exception& exception) {
-    report_syntax(exception, source, diagnostics);
+    const auto is_tab = [](const Diagnostic& one) { return one.code == "F115"; };
+    const bool follows_from_tab = std::any_of(diagnostics.items().begin(), diagnostics.items().end(), is_tab);
+    if (!follows_from_tab) report_syntax(exception, source, diagnostics);
     return std::nullopt;
   } catch (const Stop&) {
     return std::nullopt;

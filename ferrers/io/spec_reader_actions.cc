@@ -115,9 +115,9 @@ bool SpecReader::read_load(ObjectReader& object, ForceSpec& force, std::string_v
   if (!load.is_torque) load.place = object.vector3("at");
   std::vector<LawSpec> laws = object.laws(law_key);
   load.in_body_axes = object.choice("axes").value_or("world") == "body";
-  if (!body || laws.size() != 3) return false;
+  if (!body) return false;
   load.body = *body;
-  for (std::size_t i = 0; i < 3; ++i) load.components[i] = std::move(laws[i]);
+  for (std::size_t i = 0; i < laws.size(); ++i) load.components[i] = std::move(laws[i]);
   force.element = std::move(load);
   return true;
 }
@@ -190,8 +190,8 @@ void SpecReader::read_event(const DocumentNode& node, const NameRef& name) {
   const auto when = object.expression("when");
   const auto action = object.choice("do");
   event.drive = object.name("drive");
-  if (!when || !action) return;
-  event.when = *when;
+  if (!action) return;
+  if (when) event.when = *when;
   event.action = *action == "stop"     ? EventSpec::Action::kStop
                  : *action == "record" ? EventSpec::Action::kRecord
                                        : EventSpec::Action::kSwitch;

@@ -1,0 +1,194 @@
+#include "ferrers/io/run_folder.h"
+
+#include <fmt/compile.h>
+#include <fmt/format.h>
+
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <system_error>
+
+#include "ferrers/core/checks.h"
+#include "ferrers/model/joints/joint_type.h"
+
+namespace ferrers {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+constexpr std::size_t kFullBuffer = std::size_t{1} << 16U;
+constexpr std::chrono::milliseconds kLongestDelay{100};
+
+void append(fmt::memory_buffer& out, std::string_view text) { out.append(text.data(), text.data() + text.size()); }
+
+/// A number with seventeen significant digits; nothing where it is not finite.
+void append_number(fmt::memory_buffer& out, double value) {
+  if (std::isfinite(value)) fmt::format_to(std::back_inserter(out), FMT_COMPILE("{:.17g}"), value);
+}
+
+/// A name as a CSV cell: in quotes where it would not be one cell otherwise.
+void append_cell(fmt::memory_buffer& out, std::string_view text) {
+  if (text.find_first_of(",\"\r\n") == std::string_view::npos) return append(out, text);
+  out.push_back('"');
+  for (const char c : text) {
+    if (c == '"') out.push_back('"');
+    out.push_back(c);
+  }
+  out.push_back('"');
+}
+
+/// A file that is appended to in large pieces.
+class Appender {
+ public:
+  std::string open(const fs::path& path) {
+    path_ = path;
+    stream_.open(path, std::ios::binary | std::ios::trunc);
+    return stream_ ? "" : fmt::format("'{}' cannot be written", path.string());
+  }
+  bool is_open() const { return stream_.is_open(); }
+  fmt::memory_buffer& buffer() { return buffer_; }
+  void flush() {
+    if (!stream_.is_open() || buffer_.size() == 0) return;
+    stream_.write(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
+    stream_.flush();
+    buffer_.clear();
+  }
+  std::string close() {
+    if (!stream_.is_open()) return "";
+    flush();
+    const bool good = static_cast<bool>(stream_);
+    stream_.close();
+    return good && stream_ ? "" : fmt::format("'{}' could not be written to its end", path_.string());
+  }
+
+ private:
+  fs::path path_;
+  std::ofstream stream_;
+  fmt::memory_buffer buffer_;
+};
+
+}  // namespace
+
+struct RunFolder::Files {
+  Appender result, reactions;
+  std::vector<std::array<std::string, 6>> cells;  ///< ",joint,component," of every joint.
+  std::size_t columns = 0;
+  Clock::time_point last_flush = Clock::now();
+  long rows = 0;
+
+  void flush() {
+    result.flush();
+    reactions.flush();
+    last_flush = Clock::now();
+  }
+};
+
+RunFolder::~RunFolder() { close(); }
+
+bool RunFolder::is_open() const { return files_ != nullptr; }
+
+long RunFolder::rows() const { return files_ != nullptr ? files_->rows : 0; }
+
+std::string RunFolder::open(const fs::path& folder, const std::vector<std::string>& columns,
+                            const std::vector<std::string>& joints) {
+  require(files_ == nullptr, "RunFolder::open: open already");
+  std::error_code failed;
+  fs::create_directories(folder, failed);
+  if (!fs::is_directory(folder, failed)) return fmt::format("the folder '{}' cannot be made", folder.string());
+  for (const char* name : {"summary.json", "result.csv", "reactions.csv"}) fs::remove(folder / name, failed);
+
+  auto files = std::make_unique<Files>();
+  if (std::string error = files->result.open(folder / "result.csv"); !error.empty()) return error;
+  files->columns = columns.size();
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    if (i > 0) files->result.buffer().push_back(',');
+    append_cell(files->result.buffer(), columns[i]);
+  }
+  files->result.buffer().push_back('\n');
+  if (!joints.empty()) {
+    if (std::string error = files->reactions.open(folder / "reactions.csv"); !error.empty()) return error;
+    append(files->reactions.buffer(), "t,joint,component,value,status\n");
+    for (const std::string& joint : joints) {
+      fmt::memory_buffer name;
+      append_cell(name, joint);
+      std::array<std::string, 6>& cells = files->cells.emplace_back();
+      for (std::size_t i = 0; i < 6; ++i) cells[i] = fmt::format(",{},{},", fmt::to_string(name), kComponentNames[i]);
+    }
+  }
+  files->flush();
+  files_ = std::move(files);
+  return "";
+}
+
+void RunFolder::add(const RunSample& sample) {
+  require(files_ != nullptr, "RunFolder::add: not open");
+  require_size(static_cast<long>(sample.values.size()), static_cast<long>(files_->columns), "RunFolder::add");
+  fmt::memory_buffer& row = files_->result.buffer();
+  for (std::size_t i = 0; i < sample.values.size(); ++i) {
+    if (i > 0) row.push_back(',');
+    append_number(row, sample.values[i]);
+  }
+  row.push_back('\n');
+  if (files_->reactions.is_open() && !sample.reactions.empty()) {
+    require_size(static_cast<long>(sample.reactions.size()), static_cast<long>(files_->cells.size()),
+                 "RunFolder::add: reactions");
+    fmt::memory_buffer time;
+    append_number(time, sample.t);
+    fmt::memory_buffer& out = files_->reactions.buffer();
+    for (std::size_t joint = 0; joint < sample.reactions.size(); ++joint) {
+      const JointReaction& reaction = sample.reactions[joint];
+      for (std::size_t i = 0; i < 6; ++i) {
+        append(out, {time.data(), time.size()});
+        append(out, files_->cells[joint][i]);
+        if (reaction.status[i] != ReactionStatus::kUndetermined) append_number(out, reaction.value[i]);
+        out.push_back(',');
+        append(out, to_string(reaction.status[i]));
+        out.push_back('\n');
+      }
+    }
+  }
+  ++files_->rows;
+  if (files_->result.buffer().size() + files_->reactions.buffer().size() > kFullBuffer) {
+    files_->flush();
+  } else {
+    flush_if_due();
+  }
+}
+
+void RunFolder::flush_if_due() {
+  if (files_ != nullptr && Clock::now() - files_->last_flush >= kLongestDelay) files_->flush();
+}
+
+std::string RunFolder::close() {
+  if (files_ == nullptr) return "";
+  const std::string first = files_->result.close();
+  const std::string second = files_->reactions.close();
+  files_.reset();
+  return first.empty() ? second : first;
+}
+
+std::string write_file_whole(const fs::path& file, std::string_view text) {
+  fs::path part = file;
+  part += ".part";
+  std::error_code failed;
+  {
+    std::ofstream out(part, std::ios::binary | std::ios::trunc);
+    out.write(text.data(), static_cast<std::streamsize>(text.size()));
+    out.close();
+    if (!out) {
+      fs::remove(part, failed);
+      return fmt::format("'{}' cannot be written", file.string());
+    }
+  }
+  fs::rename(part, file, failed);
+  if (!failed) return "";
+  const std::string reason = failed.message();
+  fs::remove(part, failed);
+  return fmt::format("'{}' cannot be written: {}", file.string(), reason);
+}
+
+}  // namespace ferrers

@@ -1,0 +1,125 @@
+#include "ferrers/core/checks.h"
+#include "ferrers/io/json_values.h"
+#include "ferrers/io/run_folder.h"
+
+namespace ferrers {
+namespace {
+
+template <class T>
+OrderedJson value_or_null(const std::optional<T>& value) {
+  return value ? OrderedJson(*value) : OrderedJson();
+}
+
+OrderedJson decision_value(const DecisionRecord& decision) {
+  OrderedJson value;
+  value["t"] = decision.t;
+  value["rank"] = decision.rank;
+  value["mobility"] = decision.mobility;
+  value["excluded_rows"] = decision.excluded_rows;
+  value["independent_coordinates"] = decision.independent_coordinates;
+  value["reason"] = decision.reason;
+  return value;
+}
+
+std::string_view load_status(const JointPeak& peak) {
+  if (!peak.force && !peak.moment) return "undetermined";
+  return peak.force_determined && peak.moment_determined ? "determined" : "partly";
+}
+
+OrderedJson joint_value(const std::string& name, const JointPeak& peak) {
+  OrderedJson value;
+  value["joint"] = name;
+  value["max_force_N"] = value_or_null(peak.force);
+  value["max_force_t"] = peak.force ? OrderedJson(peak.force_t) : OrderedJson();
+  value["max_moment_Nm"] = value_or_null(peak.moment);
+  value["max_moment_t"] = peak.moment ? OrderedJson(peak.moment_t) : OrderedJson();
+  value["status"] = load_status(peak);
+  return value;
+}
+
+OrderedJson joint_values(const RunDocument& document) {
+  if (!document.with_reactions || document.summary->peaks.empty()) return nullptr;
+  require_size(static_cast<long>(document.joints.size()), static_cast<long>(document.summary->peaks.size()),
+               "write_summary_json: joints");
+  OrderedJson all = OrderedJson::array();
+  for (std::size_t i = 0; i < document.joints.size(); ++i) {
+    all.push_back(joint_value(document.joints[i], document.summary->peaks[i]));
+  }
+  return all;
+}
+
+void add_summary(const RunDocument& document, OrderedJson& out) {
+  const RunSummary& summary = *document.summary;
+  out["status"] = run_status_name(summary.status, document.interrupted);
+  out["message"] = summary.message.empty() ? OrderedJson() : OrderedJson(summary.message);
+  out["method"] = summary.method;
+  out["t_reached"] = summary.t_reached;
+  out["steps"] = summary.steps;
+  out["rejected"] = summary.rejected_steps;
+  out["evaluations"] = summary.evaluations;
+  out["smallest_step_s"] = summary.smallest_step > 0 ? OrderedJson(summary.smallest_step) : OrderedJson();
+  out["largest_step_s"] = summary.largest_step > 0 ? OrderedJson(summary.largest_step) : OrderedJson();
+  out["wall_time_s"] = summary.wall_time_s;
+  out["max_constraint_residual_m"] = summary.max_constraint_residual;
+  out["energy"] = {{"start", summary.energy_start},
+                   {"end", summary.energy_end},
+                   {"min", summary.energy_min},
+                   {"max", summary.energy_max},
+                   {"drift", summary.energy_end - summary.energy_start}};
+  OrderedJson decisions = OrderedJson::array();
+  for (const DecisionRecord& decision : summary.decisions) decisions.push_back(decision_value(decision));
+  out["decisions"] = std::move(decisions);
+  out["notices"] = summary.notices;
+  out["joints"] = joint_values(document);
+}
+
+}  // namespace
+
+std::string_view run_status_name(RunStatus status, bool interrupted) {
+  switch (status) {
+    case RunStatus::kFinished:
+      return "finished";
+    case RunStatus::kStopped:
+      return interrupted ? "interrupted" : "stopped";
+    case RunStatus::kNotAssembled:
+      return "not_assembled";
+    case RunStatus::kInconsistentVelocities:
+      return "inconsistent_velocities";
+    case RunStatus::kSingularMass:
+      return "singular_mass";
+    case RunStatus::kStepTooSmall:
+      return "step_too_small";
+    case RunStatus::kRedundancyEnded:
+      return "redundancy_ended";
+    case RunStatus::kBadMotion:
+      return "bad_motion";
+    case RunStatus::kUnsupported:
+      return "unsupported";
+  }
+  return "unknown";
+}
+
+std::string write_summary_json(const RunDocument& document) {
+  const bool errors = document.diagnostics != nullptr && document.diagnostics->has_errors();
+  const bool ran = document.summary != nullptr && (document.summary->status == RunStatus::kFinished ||
+                                                   document.summary->status == RunStatus::kStopped);
+  OrderedJson out;
+  out["schema"] = "ferrers.run/1";
+  out["verb"] = document.verb;
+  out["model"] = document.model.empty() ? OrderedJson() : OrderedJson(document.model);
+  out["ok"] = ran && !document.interrupted && !errors;
+  if (document.summary != nullptr) {
+    add_summary(document, out);
+  } else {
+    for (const char* key : {"status", "message", "method", "t_reached", "steps", "rejected", "evaluations",
+                            "smallest_step_s", "largest_step_s", "wall_time_s", "max_constraint_residual_m", "energy",
+                            "decisions", "notices", "joints"}) {
+      out[key] = nullptr;
+    }
+  }
+  out["folder"] = value_or_null(document.folder);
+  out["diagnostics"] = document.diagnostics != nullptr ? diagnostics_value(*document.diagnostics) : OrderedJson::array();
+  return json_text(out);
+}
+
+}  // namespace ferrers
