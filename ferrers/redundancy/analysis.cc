@@ -62,6 +62,7 @@ RankDecision decide_blocks(std::vector<Block>& blocks) {
 
 double smallest_pivot(const MatrixXd& block) {
   if (block.size() == 0) return 1;
+  // not a rank decision: the size of the last pivot is wanted
   const Eigen::FullPivHouseholderQR<MatrixXd> qr(block);
   return std::abs(qr.matrixQR()(block.rows() - 1, block.cols() - 1));
 }
@@ -179,23 +180,24 @@ MatrixXd complete_self_stresses(const System& system, const Scaling& scaling, co
 }
 
 MatrixXd self_stresses_of_selection(const System& system, const Selection& selection, const RowMatrixXd& G) {
-  const int r = static_cast<int>(selection.rows.size()), excluded = system.m - r;
-  MatrixXd Z = MatrixXd::Zero(system.m, excluded);
-  if (excluded == 0) return Z;
-  std::vector<bool> kept(system.m, false);
-  for (const int row : selection.rows) kept[row] = true;
-  MatrixXd G_d(r, r), G_e(excluded, r);
-  for (int i = 0; i < r; ++i) G_d.row(i) = G.row(selection.rows[i])(selection.dependent);
-  for (int row = 0, e = 0; row < system.m; ++row) {
-    if (kept[row]) continue;
-    G_e.row(e) = G.row(row)(selection.dependent);
-    Z(row, e++) = 1;
-  }
-  if (r == 0) return Z;
+  const int r = static_cast<int>(selection.rows.size());
+  const std::vector<int> excluded = selection.excluded_rows(system.m);
+  MatrixXd Z = MatrixXd::Zero(system.m, static_cast<long>(excluded.size()));
+  for (std::size_t e = 0; e < excluded.size(); ++e) Z(excluded[e], static_cast<long>(e)) = 1;
+  if (r == 0 || excluded.empty()) return Z;
+  const MatrixXd G_d = G(selection.rows, selection.dependent), G_e = G(excluded, selection.dependent);
   // G_e = C G_d, so that y_e = 1 is balanced by y_r = −Cᵀ.
   const MatrixXd C_transposed = G_d.transpose().partialPivLu().solve(G_e.transpose());
   for (int i = 0; i < r; ++i) Z.row(selection.rows[i]) = -C_transposed.row(i);
   return Z;
+}
+
+std::vector<int> Selection::excluded_rows(int m) const {
+  std::vector<int> excluded;
+  for (int row = 0; row < m; ++row) {
+    if (!std::binary_search(rows.begin(), rows.end(), row)) excluded.push_back(row);
+  }
+  return excluded;
 }
 
 Selection select_independent(const System& system, const Scaling& scaling, const ConstraintKinematics& constraints,
@@ -235,13 +237,8 @@ RedundancyReport analyze_redundancy(const System& system, const State& state) {
   report.characteristic_length_m = scaling.length_m;
   report.selection = choose(system, blocks);
   fill_counts(system, report);
-  std::vector<bool> kept(system.m, false);
-  for (const int row : report.selection.rows) kept[row] = true;
-  for (int row = 0; row < system.m; ++row) {
-    if (kept[row]) continue;
-    report.excluded_rows.push_back(row);
-    report.excluded_row_names.push_back(system.row_names[row]);
-  }
+  report.excluded_rows = report.selection.excluded_rows(system.m);
+  for (const int row : report.excluded_rows) report.excluded_row_names.push_back(system.row_names[row]);
   for (const int v : report.selection.independent) {
     report.independent_coordinate_names.push_back(system.coordinate_names[v]);
   }
