@@ -4,7 +4,7 @@ namespace ferrers {
 
 const std::vector<DiagnosticCode>& diagnostic_codes() {
   // One line per code, sorted by code (tested). The first digit tells what is wrong: F1 the text of a file, F2 a value,
-  // F3 the mechanism, F4 a formula.
+  // F3 the mechanism, F4 a formula, F5 a task that the model is not fit for.
   static const std::vector<DiagnosticCode> codes = {
       {"F101", "file cannot be read"},
       {"F102", "file too large"},
@@ -80,6 +80,15 @@ const std::vector<DiagnosticCode>& diagnostic_codes() {
       {"F406", "number out of range in a formula"},
       {"F407", "unknown unit in a formula"},
       {"F408", "formula has no finite value"},
+      {"F501", "mechanism cannot be assembled"},
+      {"F502", "joint stays open"},
+      {"F503", "initial values contradict"},
+      {"F504", "body without a mass"},
+      {"F505", "mass matrix is singular"},
+      {"F506", "step became too small"},
+      {"F507", "redundancy ended"},
+      {"F508", "prescribed motion"},
+      {"F509", "not supported"},
   };
   return codes;
 }

@@ -69,9 +69,8 @@ void add_report(const RedundancyReport& report, OrderedJson& out) {
   out["mobility"] = report.mobility;
   out["redundant"] = report.redundant;
   out["grubler"] = report.grubler;
-  out["closure"] = {{"coordinates", report.closure_coordinates},
-                    {"rows", report.closure_rows},
-                    {"rank", report.closure_rank}};
+  out["closure"] = {
+      {"coordinates", report.closure_coordinates}, {"rows", report.closure_rows}, {"rank", report.closure_rank}};
   out["certainty"] = certainty_value(report);
   out["permanence"] = nullptr;
   out["consistent"] = true;  // a report exists for assembled poses only: every row vanishes
@@ -89,12 +88,26 @@ void add_report(const RedundancyReport& report, OrderedJson& out) {
 }
 
 void add_unknown_report(OrderedJson& out) {
-  for (const char* key :
-       {"bodies",       "joints",          "constraint_rows", "rank",          "mobility",
-        "redundant",    "grubler",         "closure",         "certainty",     "permanence",
-        "consistent",   "inconsistency",   "excluded_rows",   "independent_coordinates",
-        "reactions",    "releases",        "idle_freedoms",   "self_stresses", "unique_resultants",
-        "singular_poses"}) {
+  for (const char* key : {"bodies",
+                          "joints",
+                          "constraint_rows",
+                          "rank",
+                          "mobility",
+                          "redundant",
+                          "grubler",
+                          "closure",
+                          "certainty",
+                          "permanence",
+                          "consistent",
+                          "inconsistency",
+                          "excluded_rows",
+                          "independent_coordinates",
+                          "reactions",
+                          "releases",
+                          "idle_freedoms",
+                          "self_stresses",
+                          "unique_resultants",
+                          "singular_poses"}) {
     out[key] = nullptr;
   }
 }
@@ -121,7 +134,8 @@ std::string json_text(const OrderedJson& value) {
 }
 
 std::string write_analysis_json(const AnalysisDocument& document) {
-  const bool ok = document.report != nullptr && (document.diagnostics == nullptr || !document.diagnostics->has_errors());
+  const bool ok =
+      document.report != nullptr && (document.diagnostics == nullptr || !document.diagnostics->has_errors());
   OrderedJson out;
   out["schema"] = "ferrers.analyze/1";
   out["model"] = document.model.empty() ? OrderedJson() : OrderedJson(document.model);
@@ -131,7 +145,8 @@ std::string write_analysis_json(const AnalysisDocument& document) {
   } else {
     add_unknown_report(out);
   }
-  out["diagnostics"] = document.diagnostics != nullptr ? diagnostics_value(*document.diagnostics) : OrderedJson::array();
+  out["diagnostics"] =
+      document.diagnostics != nullptr ? diagnostics_value(*document.diagnostics) : OrderedJson::array();
   return json_text(out);
 }
 

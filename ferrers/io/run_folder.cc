@@ -87,6 +87,8 @@ struct RunFolder::Files {
   }
 };
 
+RunFolder::RunFolder() = default;
+
 RunFolder::~RunFolder() { close(); }
 
 bool RunFolder::is_open() const { return files_ != nullptr; }

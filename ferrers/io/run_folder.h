@@ -12,20 +12,19 @@
 
 /// Problem: the files of a run must be complete when it ends, useful when it is killed, and never half written.
 ///
-/// A run's folder holds `result.csv` and `reactions.csv`, appended row by row, `summary.json`, written once at the end, and
-/// the model file as run. Numbers have seventeen significant digits, so that a file read back is the same run; a value
-/// that is not known is an empty cell.
+/// A run's folder holds `result.csv` and `reactions.csv`, appended row by row, `summary.json`, written once at the end,
+/// and the model file as run. Numbers have seventeen significant digits, so that a file read back is the same run; a
+/// value that is not known is an empty cell.
 namespace ferrers {
 
 /// Appends the rows of a run to `result.csv` and `reactions.csv`.
 ///
-/// Rows reach the files at the latest with the next row or `flush_if_due` that comes a tenth of a second later, and when
-/// the object goes. A reaction that rigid bodies do not determine has an empty value, always.
-/// Errors: `open` and `close` return what went wrong; after an error rows are dropped.
-/// Cost of a row: formatting its numbers.
+/// Rows reach the files at the latest with the next row or `flush_if_due` that comes a tenth of a second later, and
+/// when the object goes. A reaction that rigid bodies do not determine has an empty value, always. Errors: `open` and
+/// `close` return what went wrong; after an error rows are dropped. Cost of a row: formatting its numbers.
 class RunFolder {
  public:
-  RunFolder() = default;
+  RunFolder();
   ~RunFolder();
   RunFolder(const RunFolder&) = delete;
   RunFolder& operator=(const RunFolder&) = delete;
@@ -54,12 +53,12 @@ std::string write_file_whole(const std::filesystem::path& file, std::string_view
 
 /// One run as `summary.json` tells it. `RunSummary` is null where the run did not begin.
 struct RunDocument {
-  std::string verb, model;                ///< An empty model: not known.
+  std::string verb, model;  ///< An empty model: not known.
   const RunSummary* summary = nullptr;
-  bool interrupted = false;               ///< Stopped from outside.
-  std::vector<std::string> joints;        ///< Names, in the order of `RunSummary::peaks`.
-  bool with_reactions = true;             ///< False: kinematics; loads are not known.
-  std::optional<std::string> folder;      ///< Where the files are; none when nothing was written.
+  bool interrupted = false;           ///< Stopped from outside.
+  std::vector<std::string> joints;    ///< Names, in the order of `RunSummary::peaks`.
+  bool with_reactions = true;         ///< False: kinematics; loads are not known.
+  std::optional<std::string> folder;  ///< Where the files are; none when nothing was written.
   const Diagnostics* diagnostics = nullptr;
 };
 

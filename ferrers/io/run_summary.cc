@@ -111,14 +111,15 @@ std::string write_summary_json(const RunDocument& document) {
   if (document.summary != nullptr) {
     add_summary(document, out);
   } else {
-    for (const char* key : {"status", "message", "method", "t_reached", "steps", "rejected", "evaluations",
-                            "smallest_step_s", "largest_step_s", "wall_time_s", "max_constraint_residual_m", "energy",
-                            "decisions", "notices", "joints"}) {
+    for (const char* key :
+         {"status", "message", "method", "t_reached", "steps", "rejected", "evaluations", "smallest_step_s",
+          "largest_step_s", "wall_time_s", "max_constraint_residual_m", "energy", "decisions", "notices", "joints"}) {
       out[key] = nullptr;
     }
   }
   out["folder"] = value_or_null(document.folder);
-  out["diagnostics"] = document.diagnostics != nullptr ? diagnostics_value(*document.diagnostics) : OrderedJson::array();
+  out["diagnostics"] =
+      document.diagnostics != nullptr ? diagnostics_value(*document.diagnostics) : OrderedJson::array();
   return json_text(out);
 }
 

@@ -1,0 +1,18 @@
+# Writes the C++ file that holds examples/*/model.yaml, with the first heading of each README as title.
+#   cmake -D EXAMPLES=folder -D OUTPUT=file.cc -P embed_examples.cmake
+file(GLOB models ${EXAMPLES}/*/model.yaml)
+list(SORT models)
+set(content "#include \"examples.h\"\n\nnamespace {\n\nconstexpr EmbeddedExample kExamples[] = {\n")
+foreach(model IN LISTS models)
+  get_filename_component(folder ${model} DIRECTORY)
+  get_filename_component(name ${folder} NAME)
+  file(READ ${model} text)
+  set(title "")
+  if(EXISTS ${folder}/README.md)
+    file(STRINGS ${folder}/README.md title REGEX "^# " LIMIT_COUNT 1 ENCODING UTF-8)
+    string(REGEX REPLACE "^# *" "" title "${title}")
+  endif()
+  string(APPEND content "    {\"${name}\", R\"FERRERS(${title})FERRERS\", R\"FERRERS(${text})FERRERS\"},\n")
+endforeach()
+string(APPEND content "};\n\n}  // namespace\n\nstd::span<const EmbeddedExample> embedded_examples() { return kExamples; }\n")
+file(WRITE ${OUTPUT} "${content}")

@@ -1,0 +1,145 @@
+#include "model_input.h"
+
+#include <fmt/format.h>
+
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <numbers>
+
+#include "exit_code.h"
+#include "ferrers/io/model_writer.h"
+#include "ferrers/io/run_folder.h"
+#include "terminal.h"
+
+using namespace ferrers;  // NOLINT(google-build-using-namespace): the command speaks the library's language
+
+namespace {
+
+constexpr std::size_t kMostOpenJoints = 10;
+
+/// Colours the severity and the underline of a formatted diagnostic.
+std::string painted(const std::string& text, const Style& style) {
+  if (!style.colored()) return text;
+  std::string out;
+  std::size_t begin = 0;
+  while (begin <= text.size()) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    const std::string line = text.substr(begin, end - begin);
+    const std::size_t mark = line.find_first_not_of(" |");
+    if (begin == 0) {
+      std::size_t at = std::string::npos, length = 0;
+      for (const std::string_view word : {"error[", "warning[", "notice["}) {
+        if (const std::size_t found = line.find(word); found < at)
+          at = found, length = line.find(']', found) + 1 - found;
+      }
+      if (at == std::string::npos) {
+        out += line;
+      } else {
+        const std::string word = line.substr(at, length);
+        out += line.substr(0, at) + (word[0] == 'e' ? style.red(word) : style.yellow(word)) + line.substr(at + length);
+      }
+    } else if (mark != std::string::npos && line[mark] == '^') {
+      out += style.dim(line.substr(0, mark)) + style.red(line.substr(mark));
+    } else {
+      out += line;
+    }
+    if (end < text.size()) out += '\n';
+    begin = end + 1;
+  }
+  return out;
+}
+
+void print_diagnostic(const Diagnostic& one, const LoadedModel& loaded) {
+  const std::string text = format_diagnostic(one, loaded.diagnostics.file(), loaded.source);
+  print(stderr, painted(text, Style(stderr)) + "\n");
+}
+
+/// Where a joint or coupling is named in the file.
+SourceRange place_of(const ModelSpec& spec, const std::string& name) {
+  for (const JointSpec& joint : spec.joints) {
+    if (joint.name.name == name) return joint.name.at;
+  }
+  for (const CouplingSpec& coupling : spec.couplings) {
+    if (coupling.name.name == name) return coupling.name.at;
+  }
+  return {};
+}
+
+std::string gap_text(const Model& model, const OpenJoint& open) {
+  const bool coupling = std::any_of(model.couplings().begin(), model.couplings().end(),
+                                    [&](const Coupling& one) { return one.name == open.name; });
+  if (coupling) return fmt::format("coupling '{}' is off by {}", open.name, rough(open.angle_rad));
+  return fmt::format("joint '{}' stays open by {} mm and {} degrees", open.name, rough(1000 * open.gap_m),
+                     rough(open.angle_rad * 180 / std::numbers::pi));
+}
+
+}  // namespace
+
+void add_model_options(CLI::App& verb, ModelOptions& options) {
+  verb.add_option("MODEL", options.file, "model file, YAML or JSON")->required()->type_name("");
+  verb.add_option("-p,--parameter", options.parameters, "set a parameter of the model; may carry a unit; repeatable")
+      ->type_name("NAME=VALUE")
+      ->allow_extra_args(false);
+  verb.add_option("--set", options.edits, "set any field, for instance bodies.crank.mass=2; repeatable")
+      ->type_name("PATH=VALUE")
+      ->allow_extra_args(false);
+  verb.add_option("--write-model", options.write_model, "also write the model with these changes")->type_name("FILE");
+  verb.add_flag("--json", options.json, "print one JSON object instead of text");
+}
+
+LoadedModel load_model(const ModelOptions& options) {
+  ReadModelOptions read;
+  read.parameter_texts = options.parameters;
+  read.edits = options.edits;
+  ModelReadResult result = read_model_file(options.file, read);
+  LoadedModel loaded;
+  loaded.diagnostics = std::move(result.diagnostics);
+  loaded.source = std::move(result.source);
+  if (result.model) loaded.model = std::make_shared<const Model>(std::move(*result.model));
+  for (const Diagnostic& one : loaded.diagnostics.items()) print_diagnostic(one, loaded);
+  return loaded;
+}
+
+void report(LoadedModel& loaded, std::string_view code, SourceRange at, std::string message, std::string hint) {
+  loaded.diagnostics.error(code, at, std::move(message), std::move(hint));
+  print_diagnostic(loaded.diagnostics.items().back(), loaded);
+}
+
+std::string model_text(const ModelOptions& options, const LoadedModel& loaded) {
+  if (!options.changed()) return loaded.source;
+  ModelSpec spec = loaded.model->spec();
+  for (const std::string& text : options.parameters) {
+    const std::string name = text.substr(0, text.find('='));
+    for (const Parameter& parameter : loaded.model->parameters()) {
+      if (parameter.name != name) continue;
+      for (ParameterSpec& one : spec.parameters) {
+        if (one.name.name == name) one.value = Number(parameter.value);
+      }
+    }
+  }
+  return write_model(spec);
+}
+
+std::string write_model_if_asked(const ModelOptions& options, const LoadedModel& loaded) {
+  if (options.write_model.empty()) return "";
+  return write_file_whole(options.write_model, model_text(options, loaded));
+}
+
+void report_open(LoadedModel& loaded, const AssemblyResult& assembly) {
+  const bool initial = assembly.status == AssemblyStatus::kInconsistentInitial;
+  report(loaded, initial ? "F503" : "F501", {}, assembly.message,
+         initial ? "leave positions out of 'initial', or mark them 'guess: true'"
+                 : "check the lengths around the loop, or give 'initial' positions as a guess nearer to a closed pose");
+  const std::size_t shown = std::min(assembly.open_joints.size(), kMostOpenJoints);
+  for (std::size_t i = 0; i < shown; ++i) {
+    const OpenJoint& open = assembly.open_joints[i];
+    report(loaded, "F502", place_of(loaded.model->spec(), open.name), gap_text(*loaded.model, open));
+  }
+}
+
+int command_line_error(std::string_view message) {
+  print(stderr, fmt::format("ferrers: {}\n", message));
+  return kExitCommandLine;
+}

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <CLI/App.hpp>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "ferrers/io/model_reader.h"
+#include "ferrers/kinematics/assembly.h"
+
+/// The part that every verb with a model shares: its options, reading, and telling what is wrong.
+
+struct ModelOptions {
+  std::string file;
+  std::vector<std::string> parameters;  ///< name=value
+  std::vector<std::string> edits;       ///< path=value
+  std::string write_model;              ///< Empty: not asked for.
+  bool json = false;
+
+  bool changed() const { return !parameters.empty() || !edits.empty(); }
+};
+
+/// MODEL, -p, --set, --write-model, --json.
+void add_model_options(CLI::App& verb, ModelOptions& options);
+
+struct LoadedModel {
+  std::shared_ptr<const ferrers::Model> model;  ///< Null: the model has errors, which were printed.
+  ferrers::Diagnostics diagnostics;
+  std::string source;
+};
+
+/// Reads the model and prints its diagnostics to stderr.
+LoadedModel load_model(const ModelOptions& options);
+
+/// Adds and prints one more.
+void report(LoadedModel& loaded, std::string_view code, ferrers::SourceRange at, std::string message,
+            std::string hint = {});
+
+/// The text of the model as it was read, changes included.
+std::string model_text(const ModelOptions& options, const LoadedModel& loaded);
+
+/// Does `--write-model`. Returns what went wrong, or an empty text.
+std::string write_model_if_asked(const ModelOptions& options, const LoadedModel& loaded);
+
+/// Reports why a mechanism is not assembled, with the gaps of the joints that stay open.
+void report_open(LoadedModel& loaded, const ferrers::AssemblyResult& assembly);
+
+/// Prints a fault of the command line or of a file to be written; returns its exit code.
+int command_line_error(std::string_view message);

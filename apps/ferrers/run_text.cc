@@ -1,0 +1,88 @@
+#include "run_text.h"
+
+#include <fmt/format.h>
+
+using namespace ferrers;  // NOLINT(google-build-using-namespace)
+
+namespace {
+
+constexpr std::size_t kMostDecisions = 8;
+
+std::string line(std::string_view label, std::string_view text) { return fmt::format("  {:<15}{}\n", label, text); }
+
+std::string verb_done(const RunDocument& document) {
+  const bool ended = document.summary->status == RunStatus::kFinished;
+  const std::string what = document.verb == "simulate"  ? "simulated"
+                           : document.verb == "inverse" ? "forces for the prescribed motion"
+                                                        : "the prescribed motion";
+  return fmt::format(
+      "{} to t = {} s{}", what, number(document.summary->t_reached),
+      ended ? "" : fmt::format(" ({})", run_status_name(document.summary->status, document.interrupted)));
+}
+
+std::string load(const std::optional<double>& value, double t, bool determined, std::string_view unit,
+                 const Style& style) {
+  if (!value) return style.yellow("undetermined");
+  return fmt::format("{} {} at {} s{}", number(*value), unit, number(t),
+                     determined ? "" : style.yellow(" (undetermined at times)"));
+}
+
+std::string loads_text(const RunDocument& document, const Style& style) {
+  const auto& peaks = document.summary->peaks;
+  if (!document.with_reactions || peaks.empty() || peaks.size() != document.joints.size()) return "";
+  std::vector<std::vector<std::string>> rows = {{"joint", "largest force", "largest moment"}};
+  bool all = true;
+  for (std::size_t i = 0; i < peaks.size(); ++i) {
+    const JointPeak& peak = peaks[i];
+    rows.push_back({document.joints[i], load(peak.force, peak.force_t, peak.force_determined, "N", style),
+                    load(peak.moment, peak.moment_t, peak.moment_determined, "N·m", style)});
+    all = all && peak.force && peak.moment && peak.force_determined && peak.moment_determined;
+  }
+  std::string text = "\n" + table(rows, "  ", style);
+  if (!all) {
+    text += style.dim(
+        "  Undetermined: rigid bodies do not tell how redundant constraints share the load. Single components that\n"
+        "  are unique all the same stand in reactions.csv.\n");
+  }
+  return text;
+}
+
+std::string decisions_text(const RunSummary& summary) {
+  if (summary.decisions.empty()) return "";
+  std::string text;
+  const std::size_t shown = std::min(summary.decisions.size(), kMostDecisions);
+  for (std::size_t i = 0; i < shown; ++i) {
+    const DecisionRecord& one = summary.decisions[i];
+    std::string what = fmt::format("t = {} s: rank {}, mobility {}", number(one.t), one.rank, one.mobility);
+    if (!one.reason.empty()) what += ": " + one.reason;
+    text += line(i == 0 ? "decisions" : "", what);
+  }
+  if (shown < summary.decisions.size()) {
+    text += line("", fmt::format("and {} more, in summary.json", summary.decisions.size() - shown));
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string run_text(const RunDocument& document, long rows, const std::string& files, const Style& style) {
+  const RunSummary& summary = *document.summary;
+  std::string text = fmt::format("{}: {}\n\n", style.bold(document.model), verb_done(document));
+  text += line("method", summary.method);
+  std::string steps = fmt::format("{}", summary.steps);
+  if (summary.rejected_steps > 0) steps += fmt::format(" and {} rejected", summary.rejected_steps);
+  if (summary.evaluations > 0) steps += fmt::format(", {}", counted(summary.evaluations, "evaluation"));
+  text += line("steps", fmt::format("{}, {} s of computing", steps, rough(summary.wall_time_s)));
+  text += line("closure error", fmt::format("at most {} m", rough(summary.max_constraint_residual)));
+  if (document.verb == "simulate") {
+    text += line("energy", fmt::format("{} J at the start, changed by {} J at the end; between {} and {} J",
+                                       number(summary.energy_start), rough(summary.energy_end - summary.energy_start),
+                                       number(summary.energy_min), number(summary.energy_max)));
+  }
+  text += decisions_text(summary);
+  for (const std::string& notice : summary.notices) text += line("note", notice);
+  text += loads_text(document, style);
+  if (document.folder)
+    text += fmt::format("\n  {} in {}\n    {}\n", counted(rows, "row"), style.bold(*document.folder), files);
+  return text;
+}

@@ -1,0 +1,320 @@
+#include "run_verb.h"
+
+#include <fmt/format.h>
+#include <signal.h>
+
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <system_error>
+
+#include "exit_code.h"
+#include "ferrers/io/run_folder.h"
+#include "run_text.h"
+#include "terminal.h"
+
+using namespace ferrers;  // NOLINT(google-build-using-namespace)
+
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+constexpr double kMostRows = 1e8;
+
+std::atomic<bool> stop_asked{false};  // the one thing that a signal handler may touch
+
+extern "C" void ask_to_stop(int) { stop_asked = true; }
+
+/// The first SIGINT or SIGTERM asks the run to end after its step, the second one kills.
+void catch_interrupts() {
+  struct sigaction action = {};
+  action.sa_handler = ask_to_stop;
+  action.sa_flags = static_cast<int>(SA_RESETHAND);
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+/// A bar on stderr, only on a terminal, only for runs that take longer than half a second.
+class Progress {
+ public:
+  explicit Progress(double t_end) : t_end_(t_end), shown_(is_terminal(stderr)) {}
+  ~Progress() {
+    if (drawn_) print(stderr, "\r\033[K");
+  }
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  void update(double t) {
+    if (!shown_ || Clock::now() < next_) return;
+    next_ = Clock::now() + std::chrono::milliseconds(100);
+    const double done = t_end_ > 0 ? std::min(1.0, std::max(0.0, t / t_end_)) : 1.0;
+    const int cells = static_cast<int>(done * 40);
+    print(stderr, fmt::format("\r\033[K  [{:=<{}}{:<{}}] t = {:.4g} of {:.4g} s, Ctrl-C keeps what is done", "", cells,
+                              "", 40 - cells, t, t_end_));
+    std::fflush(stderr);
+    drawn_ = true;
+  }
+
+ private:
+  double t_end_;
+  bool shown_, drawn_ = false;
+  Clock::time_point next_ = Clock::now() + std::chrono::milliseconds(500);
+};
+
+/// A name that is one folder on any system.
+std::string folder_name(std::string name) {
+  for (char& c : name) {
+    const bool plain =
+        (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
+    if (!plain && c != '.') c = '_';
+  }
+  return name.empty() || name[0] == '.' ? "_" + name : name;
+}
+
+/// Everything that a run writes into its folder, made when the first row is known.
+class Output {
+ public:
+  Output(const RunTask& task, const RunOptions& options, const LoadedModel& loaded)
+      : task_(task), options_(options), loaded_(loaded) {
+    folder_ = options.folder.empty() ? fs::path("out") / folder_name(loaded.model->name() + "-" + task.verb)
+                                     : fs::path(options.folder);
+    const bool json = fs::path(options.model.file).extension() == ".json" && !options.model.changed();
+    model_file_ = json ? "model.json" : "model.yaml";
+    std::error_code ignored;
+    holds_model_ = fs::equivalent(folder_ / model_file_, options.model.file, ignored);
+  }
+
+  const std::string& error() const { return error_; }
+  bool would_overwrite_the_model() const { return holds_model_ && options_.model.changed(); }
+  std::string folder() const { return folder_.string(); }
+  bool begun() const { return begun_; }
+  long rows() const { return rows_; }
+  std::string files() const {
+    return fmt::format("result.csv, {}summary.json, {}", task_.with_reactions ? "reactions.csv, " : "", model_file_);
+  }
+
+  void add(const DynamicsModel& dynamics, const RunSample& sample) {
+    if (!begun_) begin(dynamics);
+    if (!error_.empty()) return;
+    rows_file_.add(sample);
+    ++rows_;
+  }
+  void flush_if_due() { rows_file_.flush_if_due(); }
+  void close() { keep(rows_file_.close()); }
+  void write_summary(const std::string& text) {
+    if (begun_ && error_.empty()) keep(write_file_whole(folder_ / "summary.json", text));
+  }
+
+ private:
+  void keep(std::string error) {
+    if (error_.empty() && !error.empty()) {
+      error_ = std::move(error);
+      stop_asked = true;
+    }
+  }
+
+  void begin(const DynamicsModel& dynamics) {
+    begun_ = true;
+    std::vector<std::string> joints;
+    if (task_.with_reactions) {
+      for (const Joint& joint : loaded_.model->joints()) joints.push_back(joint.name);
+    }
+    keep(rows_file_.open(folder_, run_columns(dynamics), joints));
+    if (!error_.empty()) return;
+    if (!holds_model_) keep(write_file_whole(folder_ / model_file_, model_text(options_.model, loaded_)));
+    copy_law_files();
+  }
+
+  /// The model names its law files relative to itself: they go along with it.
+  void copy_law_files() {
+    for (const DriveSpec& drive : loaded_.model->spec().drives) {
+      for (const auto* laws : {&drive.motion, &drive.effort}) {
+        for (const LawSpec& law : *laws) {
+          if (!law.file.empty()) copy_law_file(law.file);
+        }
+      }
+    }
+  }
+
+  void copy_law_file(const std::string& name) {
+    const fs::path from = fs::path(options_.model.file).parent_path() / name, to = folder_ / name;
+    std::error_code failed;
+    if (fs::equivalent(from, to, failed)) return;
+    fs::create_directories(to.parent_path(), failed);
+    failed.clear();
+    fs::copy_file(from, to, fs::copy_options::overwrite_existing, failed);
+    if (failed) keep(fmt::format("'{}' cannot be copied to the run's folder", name));
+  }
+
+  const RunTask& task_;
+  const RunOptions& options_;
+  const LoadedModel& loaded_;
+  fs::path folder_;
+  std::string model_file_, error_;
+  RunFolder rows_file_;
+  bool begun_ = false, holds_model_ = false;
+  long rows_ = 0;
+};
+
+/// Bodies whose mass was left out, with their places.
+void report_masses(LoadedModel& loaded, const std::vector<std::string>& bodies) {
+  for (const BodySpec& body : loaded.model->spec().bodies) {
+    for (const std::string& name : bodies) {
+      if (body.name.name != name) continue;
+      report(loaded, "F504", body.name.at, fmt::format("body '{}' has no mass, which dynamics needs", name),
+             "give it a 'mass' and 'com'; zero is a mass as well");
+    }
+  }
+}
+
+/// The exit code that a run's status means; reports it when it is none of the good ones.
+int conclude(const RunSummary& summary, long rows, LoadedModel& loaded) {
+  const auto fail = [&](std::string_view code, int exit_code, std::string hint = {}) {
+    const std::string kept =
+        rows > 0 ? fmt::format(" (at t = {} s; rows up to there are kept)", number(summary.t_reached)) : "";
+    report(loaded, code, {}, summary.message + kept, std::move(hint));
+    return exit_code;
+  };
+  switch (summary.status) {
+    case RunStatus::kFinished:
+      return kExitDone;
+    case RunStatus::kStopped:
+      return stop_asked ? kExitInterrupted : kExitDone;
+    case RunStatus::kNotAssembled:
+      return fail("F501", kExitNotAssembled);
+    case RunStatus::kInconsistentVelocities:
+      return fail("F503", kExitNotAssembled);
+    case RunStatus::kSingularMass:
+      return fail("F505", kExitSolve);
+    case RunStatus::kStepTooSmall:
+      return fail("F506", kExitSolve);
+    case RunStatus::kRedundancyEnded:
+      return fail("F507", kExitSolve);
+    case RunStatus::kBadMotion:  // too much or too little prescribed shows before the first row
+      return fail("F508", rows > 0 ? kExitSolve : kExitModel);
+    case RunStatus::kUnsupported:
+      return fail("F509", kExitModel);
+  }
+  return kExitOurBug;
+}
+
+void print_not_run(const RunTask& task, const RunOptions& options, const LoadedModel& loaded) {
+  if (!options.model.json) return;
+  RunDocument document;
+  document.verb = task.verb;
+  if (loaded.model) document.model = loaded.model->name();
+  document.diagnostics = &loaded.diagnostics;
+  print(stdout, write_summary_json(document));
+}
+
+int run(const RunTask& task, const RunOptions& options, LoadedModel& loaded,
+        const std::shared_ptr<const DynamicsModel>& dynamics) {
+  Output output(task, options, loaded);
+  if (output.would_overwrite_the_model()) {
+    return command_line_error(
+        fmt::format("the folder '{}' holds the model file itself; take another -o", output.folder()));
+  }
+  RunSummary summary;
+  catch_interrupts();
+  {
+    Progress progress(options.grid.t_end);
+    RunControl control;
+    control.stop = &stop_asked;
+    control.on_sample = [&](const RunSample& sample) { output.add(*dynamics, sample); };
+    control.on_progress = [&](double t) {
+      progress.update(t);
+      output.flush_if_due();
+    };
+    summary = task.run(dynamics, control);
+  }
+  output.close();
+  if (!output.error().empty()) return command_line_error(output.error());
+
+  const int exit_code = conclude(summary, output.rows(), loaded);
+  RunDocument document;
+  document.verb = task.verb;
+  document.model = loaded.model->name();
+  document.summary = &summary;
+  document.interrupted = exit_code == kExitInterrupted;
+  document.with_reactions = task.with_reactions;
+  for (const Joint& joint : loaded.model->joints()) document.joints.push_back(joint.name);
+  if (output.begun()) document.folder = output.folder();
+  document.diagnostics = &loaded.diagnostics;
+  const std::string json = write_summary_json(document);
+  output.write_summary(json);
+  if (!output.error().empty()) return command_line_error(output.error());
+  if (options.model.json) {
+    print(stdout, json);
+  } else if (output.begun()) {
+    print(stdout, run_text(document, output.rows(), output.files(), Style(stdout)));
+  }
+  return exit_code;
+}
+
+}  // namespace
+
+CLI::Validator positive_number() {
+  return CLI::Validator(
+      [](std::string& text) {
+        double value = 0;
+        const bool good = CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value > 0;
+        return good ? std::string() : fmt::format("'{}' is not a number above zero", text);
+      },
+      "");
+}
+
+CLI::Validator number_from_zero() {
+  return CLI::Validator(
+      [](std::string& text) {
+        double value = 0;
+        const bool good = CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value >= 0;
+        return good ? std::string() : fmt::format("'{}' is not a number from zero on", text);
+      },
+      "");
+}
+
+void add_run_options(CLI::App& verb, RunOptions& options, bool with_reactions) {
+  add_model_options(verb, options.model);
+  verb.add_option("-o,--output", options.folder, "folder of the results [out/MODELNAME-VERB]")->type_name("FOLDER");
+  verb.add_option("--end", options.grid.t_end, "last time, s [10]")->type_name("T")->check(number_from_zero());
+  verb.add_option("--every", options.grid.every, "spacing of the rows, s [0.01]")
+      ->type_name("DT")
+      ->check(positive_number());
+  if (with_reactions) {
+    verb.add_option_function<std::string>(
+            "--reactions",
+            [&options](const std::string& axes) {
+              options.axes = axes == "joint" ? ReactionAxes::kJoint : ReactionAxes::kWorld;
+            },
+            "axes of reaction components: world or joint [world]")
+        ->type_name("AXES")
+        ->check(CLI::IsMember(std::vector<std::string>{"world", "joint"}));
+  }
+}
+
+int execute(const RunTask& task, const RunOptions& options) {
+  if (options.grid.t_end / options.grid.every > kMostRows) {
+    return command_line_error(fmt::format("--end {} with --every {} is more than {:.0e} rows", options.grid.t_end,
+                                          options.grid.every, kMostRows));
+  }
+  LoadedModel loaded = load_model(options.model);
+  if (!loaded.model) {
+    print_not_run(task, options, loaded);
+    return kExitModel;
+  }
+  if (const std::string error = write_model_if_asked(options.model, loaded); !error.empty()) {
+    return command_line_error(error);
+  }
+  const auto dynamics = make_dynamics_model(make_system(loaded.model));
+  if (task.needs_masses && !dynamics->massless_bodies.empty()) {
+    report_masses(loaded, dynamics->massless_bodies);
+    print_not_run(task, options, loaded);
+    return kExitModel;
+  }
+  return run(task, options, loaded, dynamics);
+}

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <CLI/App.hpp>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "ferrers/simulate/simulation.h"
+#include "model_input.h"
+
+/// The part that simulate, inverse and kinematics share: the folder, the interruption, the summary, the exit code.
+
+struct RunOptions {
+  ModelOptions model;
+  std::string folder;  ///< Empty: out/MODELNAME-VERB.
+  ferrers::OutputGrid grid;
+  ferrers::ReactionAxes axes = ferrers::ReactionAxes::kWorld;
+};
+
+/// The model's options, -o, --end, --every; `--reactions` where the verb computes them.
+void add_run_options(CLI::App& verb, RunOptions& options, bool with_reactions);
+
+/// A finite number above zero, or from zero on.
+CLI::Validator positive_number();
+CLI::Validator number_from_zero();
+
+struct RunTask {
+  std::string verb;
+  bool needs_masses = true;
+  bool with_reactions = true;
+  std::function<ferrers::RunSummary(std::shared_ptr<const ferrers::DynamicsModel>, const ferrers::RunControl&)> run;
+};
+
+/// Reads the model, runs the task into its folder, tells the result. Returns the exit code.
+int execute(const RunTask& task, const RunOptions& options);
