@@ -174,8 +174,9 @@ void ModelAssembler::check_bodies_have_joints() {
     }
   }
   for (std::size_t i = 0; i < spec_->bodies.size(); ++i) {
-    if (held[i + 1]) continue;
     const NameRef& name = spec_->bodies[i].name;
+    const bool named_before = body_index_.at(name.name) != static_cast<int>(i) + 1;  // has its own message
+    if (held[i + 1] || named_before) continue;
     diagnostics_.error("F315", name.at, fmt::format("the body '{}' has no joint", name.name),
                        "a body that moves freely takes a joint of type 'free'");
   }

@@ -13,7 +13,8 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 /// The tensor of a uniform solid by Monte Carlo: points of its bounding box that `inside` accepts, kg each alike.
-Matrix3d sampled_inertia(double mass_kg, const Vector3d& half_size, const std::function<bool(const Vector3d&)>& inside) {
+Matrix3d sampled_inertia(double mass_kg, const Vector3d& half_size,
+                         const std::function<bool(const Vector3d&)>& inside) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   Matrix3d sum = Matrix3d::Zero();
@@ -99,7 +100,8 @@ TEST(MassPropertiesTest, LargeProductMakesAPrincipalMomentNegative) {
 }
 
 TEST(MassPropertiesTest, ProductsCountInTheTriangleInequality) {
-  // Diagonal (2, 2, 3.5) alone is fine; the product makes principal moments 0.5, 3.5, 3.5, still fine, then 0.2, 3.8, 3.5.
+  // Diagonal (2, 2, 3.5) alone is fine; the product makes principal moments 0.5, 3.5, 3.5, still fine, then
+  // 0.2, 3.8, 3.5.
   EXPECT_EQ(check_inertia(inertia_tensor(Vector3d(2, 2, 3.5), Vector3d(1.5, 0, 0))), InertiaVerdict::kPhysical);
   EXPECT_EQ(check_inertia(inertia_tensor(Vector3d(2, 2, 3.5), Vector3d(1.8, 0, 0))), InertiaVerdict::kTriangle);
 }
