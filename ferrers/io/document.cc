@@ -37,6 +37,8 @@ class TreeBuilder : public YAML::EventHandler {
       : source_(source), limits_(limits), diagnostics_(diagnostics) {}
 
   std::optional<DocumentNode> root;
+  /// Lists and maps as keys. The parser takes a bracket that never closes for one, so these count only when it is done.
+  Diagnostics key_errors;
 
   void OnDocumentStart(const YAML::Mark& mark) override {
     if (documents_++ == 0) return;
@@ -108,8 +110,8 @@ class TreeBuilder : public YAML::EventHandler {
   struct Frame {
     DocumentNode node;
     bool flow = false;
-    bool is_key = false;    // This collection stands where a key is wanted: it is read and dropped.
-    bool has_key = false;   // A map that waits for the value of `key`.
+    bool is_key = false;   // This collection stands where a key is wanted: it is read and dropped.
+    bool has_key = false;  // A map that waits for the value of `key`.
     bool drop_entry = false;
     std::string key;
     SourceRange key_at;
@@ -153,7 +155,8 @@ class TreeBuilder : public YAML::EventHandler {
     DocumentNode node;
     node.text = value;
     const char first = offset < source_.text().size() ? source_.text()[offset] : ' ';
-    if (tag != "?" && (first == '!' || first == '&' || (first != '"' && first != '\'' && first != '|' && first != '>'))) {
+    if (tag != "?" &&
+        (first == '!' || first == '&' || (first != '"' && first != '\'' && first != '|' && first != '>'))) {
       check_tag(tag == "!" ? "!!" : tag, offset);
       node = broken(offset);
     } else if (first == '"' || first == '\'') {
@@ -229,7 +232,7 @@ class TreeBuilder : public YAML::EventHandler {
     }
     frame.flow = flow;
     if (is_key_position()) {
-      diagnostics_.error("F113", frame.node.at, "a list or map as a key: a key is a plain word");
+      key_errors.error("F113", frame.node.at, "a list or map as a key: a key is a plain word");
       frame.is_key = true;
     }
     frames_.push_back(std::move(frame));
@@ -305,11 +308,12 @@ void report_syntax(const YAML::Exception& exception, const SourceText& source, D
                              "unknown escape in a text in double quotes",
                              "a backslash is written '\\\\'; in single quotes it stands for itself");
   }
-  for (const char* anchor : {YAML::ErrorMsg::UNKNOWN_ANCHOR, YAML::ErrorMsg::ALIAS_NOT_FOUND,
-                             YAML::ErrorMsg::ANCHOR_NOT_FOUND, YAML::ErrorMsg::CHAR_IN_ALIAS,
-                             YAML::ErrorMsg::CHAR_IN_ANCHOR, YAML::ErrorMsg::ALIAS_CONTENT}) {
+  for (const char* anchor :
+       {YAML::ErrorMsg::UNKNOWN_ANCHOR, YAML::ErrorMsg::ALIAS_NOT_FOUND, YAML::ErrorMsg::ANCHOR_NOT_FOUND,
+        YAML::ErrorMsg::CHAR_IN_ALIAS, YAML::ErrorMsg::CHAR_IN_ANCHOR, YAML::ErrorMsg::ALIAS_CONTENT}) {
     if (exception.msg == anchor) {
-      return diagnostics.error("F111", at, "anchors and aliases are not read", "put a text with '&' or '*' into quotes");
+      return diagnostics.error("F111", at, "anchors and aliases are not read",
+                               "put a text with '&' or '*' into quotes");
     }
   }
   diagnostics.error("F107", at, exception.msg.empty() ? "this is no YAML" : exception.msg);
@@ -363,6 +367,7 @@ std::optional<DocumentNode> parse_document(std::string_view text, Diagnostics& d
   } catch (const Stop&) {
     return std::nullopt;
   }
+  diagnostics.append(builder.key_errors);
   if (!builder.root || builder.root->kind == Kind::kNull) {
     diagnostics.error("F103", source.range(0, 0), "the file is empty",
                       "a model starts with 'ferrers: 1'; 'ferrers new' writes an example");

@@ -22,18 +22,18 @@ struct DocumentEntry;
 
 struct DocumentNode {
   enum class Kind {
-    kNull,      ///< Nothing, `~` or `null`.
-    kPlain,     ///< A scalar without quotes.
-    kQuoted,    ///< A scalar in quotes, or a block of text.
+    kNull,    ///< Nothing, `~` or `null`.
+    kPlain,   ///< A scalar without quotes.
+    kQuoted,  ///< A scalar in quotes, or a block of text.
     kSequence,
     kMap,
-    kBroken,    ///< Reported already: readers pass over it in silence.
+    kBroken,  ///< Reported already: readers pass over it in silence.
   };
   Kind kind = Kind::kNull;
-  bool verbatim = false;     ///< The text stands in the file byte by byte, from `text_at`.
-  SourceRange at;            ///< Scalars with their quotes; collections from their first byte.
-  SourceRange text_at;       ///< Scalars: behind the opening quote.
-  std::string text;          ///< Scalars.
+  bool verbatim = false;               ///< The text stands in the file byte by byte, from `text_at`.
+  SourceRange at;                      ///< Scalars with their quotes; collections from their first byte.
+  SourceRange text_at;                 ///< Scalars: behind the opening quote.
+  std::string text;                    ///< Scalars.
   std::vector<DocumentNode> items;     ///< Sequences.
   std::vector<DocumentEntry> entries;  ///< Maps, in the order of the file, keys unique.
 

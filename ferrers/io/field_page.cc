@@ -8,35 +8,64 @@ namespace {
 std::string kind_text(const FieldInfo& field) {
   const std::string family = std::string(object_family(field.family).name);
   switch (field.kind) {
-    case ValueKind::kVersion: return "1";
-    case ValueKind::kNumber: return "number";
-    case ValueKind::kNumberOrList: return "number, or list of numbers";
-    case ValueKind::kNumberList: return "list of numbers";
-    case ValueKind::kNumberPair: return "[low, high]";
-    case ValueKind::kVector3: return "[x, y, z]";
-    case ValueKind::kVector3OrScalar: return "[x, y, z], or one number";
-    case ValueKind::kStiffness3: return "[x, y, z], or one number; `rigid`";
-    case ValueKind::kVector4: return "[w, x, y, z]";
-    case ValueKind::kDirection: return "direction";
-    case ValueKind::kPlace: return "point, or map of body to point";
-    case ValueKind::kAxis: return "direction, or map of body to direction";
-    case ValueKind::kAxisPair: return "two directions";
-    case ValueKind::kPoints: return "two points, or map of body to point";
-    case ValueKind::kPointPair: return "two points";
-    case ValueKind::kInteger: return "whole number";
-    case ValueKind::kBoolean: return "true or false";
-    case ValueKind::kText: return "text";
-    case ValueKind::kChoice: return fmt::format("`{}`", fmt::join(field.choices, "`, `"));
-    case ValueKind::kName: return "name";
-    case ValueKind::kNamePair: return "two names";
-    case ValueKind::kCoordinate: return "joint, or joint.coordinate";
-    case ValueKind::kCoordinateList: return "list of these";
-    case ValueKind::kExpression: return "formula";
-    case ValueKind::kLaw: return "law";
-    case ValueKind::kLaw3: return "three laws";
-    case ValueKind::kObject: return fmt::format("[{0}](#{0})", family);
-    case ValueKind::kNamedObjects: return fmt::format("map of name to [{0}](#{0})", family);
-    case ValueKind::kNamedLists: return fmt::format("map of name to [{0}](#{0}) or list of them", family);
+    case ValueKind::kVersion:
+      return "1";
+    case ValueKind::kNumber:
+      return "number";
+    case ValueKind::kNumberOrList:
+      return "number, or list of numbers";
+    case ValueKind::kNumberList:
+      return "list of numbers";
+    case ValueKind::kNumberPair:
+      return "[low, high]";
+    case ValueKind::kVector3:
+      return "[x, y, z]";
+    case ValueKind::kVector3OrScalar:
+      return "[x, y, z], or one number";
+    case ValueKind::kStiffness3:
+      return "[x, y, z], or one number; `rigid`";
+    case ValueKind::kVector4:
+      return "[w, x, y, z]";
+    case ValueKind::kDirection:
+      return "direction";
+    case ValueKind::kPlace:
+      return "point, or map of body to point";
+    case ValueKind::kAxis:
+      return "direction, or map of body to direction";
+    case ValueKind::kAxisPair:
+      return "two directions";
+    case ValueKind::kPoints:
+      return "two points, or map of body to point";
+    case ValueKind::kPointPair:
+      return "two points";
+    case ValueKind::kInteger:
+      return "whole number";
+    case ValueKind::kBoolean:
+      return "true or false";
+    case ValueKind::kText:
+      return "text";
+    case ValueKind::kChoice:
+      return fmt::format("`{}`", fmt::join(field.choices, "`, `"));
+    case ValueKind::kName:
+      return "name";
+    case ValueKind::kNamePair:
+      return "two names";
+    case ValueKind::kCoordinate:
+      return "joint, or joint.coordinate";
+    case ValueKind::kCoordinateList:
+      return "list of these";
+    case ValueKind::kExpression:
+      return "formula";
+    case ValueKind::kLaw:
+      return "law";
+    case ValueKind::kLaw3:
+      return "three laws";
+    case ValueKind::kObject:
+      return fmt::format("[{0}](#{0})", family);
+    case ValueKind::kNamedObjects:
+      return fmt::format("map of name to [{0}](#{0})", family);
+    case ValueKind::kNamedLists:
+      return fmt::format("map of name to [{0}](#{0}) or list of them", family);
   }
   return {};
 }

@@ -34,7 +34,7 @@ inline constexpr Quantity kOfCoordinateEffort{Measure::kCoordinateEffort, {}, "N
 inline constexpr Quantity kOfCoordinateDamping{Measure::kCoordinateDamping, {}, "N·m·s/rad or N·s/m"};
 
 inline FieldInfo field(std::string_view key, ValueKind kind, Quantity quantity, std::string doc,
-                   std::string_view default_text = {}) {
+                       std::string_view default_text = {}) {
   FieldInfo made;
   made.key = key;
   made.kind = kind;
@@ -50,21 +50,21 @@ inline FieldInfo required(FieldInfo made) {
 }
 
 inline FieldInfo object_field(std::string_view key, ValueKind kind, Family family, std::string doc,
-                          std::string_view default_text = {}) {
+                              std::string_view default_text = {}) {
   FieldInfo made = field(key, kind, {}, std::move(doc), default_text);
   made.family = family;
   return made;
 }
 
 inline FieldInfo law_field(std::string_view key, ValueKind kind, Quantity quantity, std::string doc,
-                       std::string_view default_text = {}) {
+                           std::string_view default_text = {}) {
   FieldInfo made = field(key, kind, quantity, std::move(doc), default_text);
   made.family = Family::kLawFile;
   return made;
 }
 
 inline FieldInfo choice_field(std::string_view key, std::vector<std::string_view> choices, std::string doc,
-                          std::string_view default_text = {}) {
+                              std::string_view default_text = {}) {
   FieldInfo made = field(key, ValueKind::kChoice, {}, std::move(doc), default_text);
   made.choices = std::move(choices);
   return made;

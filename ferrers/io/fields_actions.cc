@@ -16,13 +16,17 @@ FieldInfo joint_field() {
 FieldInfo coordinate_field() {
   return field("coordinate", K::kName, {}, "Which coordinate of the joint", "its only one");
 }
-FieldInfo axes_field() {
-  return choice_field("axes", {"world", "body"}, "Axes of the three components", "world");
-}
+FieldInfo axes_field() { return choice_field("axes", {"world", "body"}, "Axes of the three components", "world"); }
 
 ObjectFamily force_family() {
-  ObjectFamily family{Family::kForceElement, "force", "a force", "type", false, {},
-                      "What acts on bodies besides gravity, joints and drives.", {}};
+  ObjectFamily family{Family::kForceElement,
+                      "force",
+                      "a force",
+                      "type",
+                      false,
+                      {},
+                      "What acts on bodies besides gravity, joints and drives.",
+                      {}};
   family.types = {
       {"spring",
        "a spring",
@@ -40,7 +44,8 @@ ObjectFamily force_family() {
       {"joint_damping",
        "a joint damping",
        "Brakes a joint coordinate in proportion to its speed.",
-       {joint_field(), coordinate_field(), required(field("damping", K::kNumber, kOfCoordinateDamping, "Effort per speed"))}},
+       {joint_field(), coordinate_field(),
+        required(field("damping", K::kNumber, kOfCoordinateDamping, "Effort per speed"))}},
       {"bushing",
        "a bushing",
        "A soft joint: stiffness and damping along and about three axes.",
@@ -48,7 +53,8 @@ ObjectFamily force_family() {
         field("axis", K::kAxis, kOfPureNumber, "Direction of its z axis", "z"),
         field("x", K::kDirection, kOfPureNumber, "Direction of its x axis, made perpendicular to z",
               "the world axis least aligned with z"),
-        required(object_field("stiffness", K::kObject, Family::kBushingStiffness, "Forces and moments per displacement")),
+        required(
+            object_field("stiffness", K::kObject, Family::kBushingStiffness, "Forces and moments per displacement")),
         object_field("damping", K::kObject, Family::kBushingDamping, "Forces and moments per speed", "none")}},
       {"force",
        "a force",
@@ -75,10 +81,16 @@ ObjectFamily single(Family id, std::string_view name, std::string_view title, st
 ObjectFamily drive_family() {
   const std::string motion = "Given motion, for inverse dynamics, kinematics and driven simulation";
   const std::string effort = "Given effort, for simulation; positive drives the second body forward";
-  ObjectFamily family{Family::kDrive, "drive", "a drive", {}, false, {},
-                      "On a joint coordinate (`joint`), on the distance of two points (`bodies`), or on a recorded point "
-                      "(`point`). Either law may be absent.",
-                      {}};
+  ObjectFamily family{
+      Family::kDrive,
+      "drive",
+      "a drive",
+      {},
+      false,
+      {},
+      "On a joint coordinate (`joint`), on the distance of two points (`bodies`), or on a recorded point "
+      "(`point`). Either law may be absent.",
+      {}};
   family.types = {
       {"joint",
        "a drive on a joint",
@@ -116,7 +128,8 @@ std::vector<ObjectFamily> make_action_families() {
       drive_family(),
       single(Family::kInitial, "initial", "an initial value", "State of one joint at the start.",
              {field("coordinate", K::kName, {}, "Which coordinate of the joint", "its only one, or all in order"),
-              field("position", K::kNumberOrList, kOfCoordinate, "Position, exact unless it is a guess", "found by assembly"),
+              field("position", K::kNumberOrList, kOfCoordinate, "Position, exact unless it is a guess",
+                    "found by assembly"),
               field("velocity", K::kNumberOrList, kOfCoordinateRate, "Velocity", "the least in the mass metric"),
               field("guess", K::kBoolean, {}, "Whether the position is only where the assembly starts", "false")}),
       single(Family::kRecord, "record", "a recorded point", "A point fixed to a body.",

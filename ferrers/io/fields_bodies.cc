@@ -31,8 +31,14 @@ ObjectFamily model_family() {
 }
 
 ObjectFamily parameter_family() {
-  ObjectFamily family{Family::kParameter, "parameter", "a parameter", {}, false, "value",
-                      "A number by name, which any other number may use after '='.", {}};
+  ObjectFamily family{Family::kParameter,
+                      "parameter",
+                      "a parameter",
+                      {},
+                      false,
+                      "value",
+                      "A number by name, which any other number may use after '='.",
+                      {}};
   family.types.push_back(
       {{},
        "a parameter",
@@ -46,8 +52,14 @@ ObjectFamily parameter_family() {
 }
 
 ObjectFamily body_family() {
-  ObjectFamily family{Family::kBody, "body", "a body", {}, false, {},
-                      "A rigid body, drawn in world coordinates, or in its own frame where it has a `pose`.", {}};
+  ObjectFamily family{Family::kBody,
+                      "body",
+                      "a body",
+                      {},
+                      false,
+                      {},
+                      "A rigid body, drawn in world coordinates, or in its own frame where it has a `pose`.",
+                      {}};
   family.types.push_back(
       {{},
        "a body",
@@ -63,12 +75,18 @@ ObjectFamily body_family() {
 }
 
 ObjectFamily inertia_family() {
-  const FieldInfo rotation = object_field("rotation", K::kObject, Family::kRotation,
-                                      "Turns the axes of the tensor or shape", "none");
-  ObjectFamily family{Family::kBodyInertia, "inertia", "an inertia", "shape", true, {},
-                      "Inertia about the mass centre: a tensor (no `shape`), or a solid and uniform shape with the body's "
-                      "mass.",
-                      {}};
+  const FieldInfo rotation =
+      object_field("rotation", K::kObject, Family::kRotation, "Turns the axes of the tensor or shape", "none");
+  ObjectFamily family{
+      Family::kBodyInertia,
+      "inertia",
+      "an inertia",
+      "shape",
+      true,
+      {},
+      "Inertia about the mass centre: a tensor (no `shape`), or a solid and uniform shape with the body's "
+      "mass.",
+      {}};
   family.types = {
       {{},
        "an inertia tensor",
@@ -82,10 +100,7 @@ ObjectFamily inertia_family() {
        "A thin rod between two points.",
        {required(field("from", K::kVector3, kOfLength, "One end")),
         required(field("to", K::kVector3, kOfLength, "The other end"))}},
-      {"box",
-       "a box",
-       {},
-       {required(field("size", K::kVector3, kOfLength, "Edge lengths along its axes")), rotation}},
+      {"box", "a box", {}, {required(field("size", K::kVector3, kOfLength, "Edge lengths along its axes")), rotation}},
       {"cylinder",
        "a cylinder",
        {},
@@ -110,8 +125,8 @@ ObjectFamily pose_family() {
 }
 
 ObjectFamily rotation_family() {
-  ObjectFamily family{Family::kRotation, "rotation", "a rotation", {}, false, {},
-                      "About an axis, or by a quaternion.", {}};
+  ObjectFamily family{
+      Family::kRotation, "rotation", "a rotation", {}, false, {}, "About an axis, or by a quaternion.", {}};
   family.types = {
       {"axis",
        "a rotation about an axis",

@@ -20,9 +20,10 @@ std::vector<FieldInfo> placement_fields(PlacementRule rule) {
     case PlacementRule::kPointAxis:
       return {place_field(), required(axis)};
     case PlacementRule::kPointTwoAxes:
-      return {place_field(),
-              required(field("axes", K::kAxisPair, kOfPureNumber,
-                             "First axis, fixed to the first body; second, fixed to the second; perpendicular as drawn"))};
+      return {
+          place_field(),
+          required(field("axes", K::kAxisPair, kOfPureNumber,
+                         "First axis, fixed to the first body; second, fixed to the second; perpendicular as drawn"))};
     case PlacementRule::kPointNormal:
       return {place_field(),
               required(field("normal", K::kAxis, kOfPureNumber, "Normal of the plane, fixed to the first body"))};
@@ -67,8 +68,8 @@ ObjectType joint_type(const JointTypeInfo& info) {
     type.fields.push_back(
         required(field("lead", K::kNumber, kOfLength, "Advance of the second body per turn, right-handed")));
   }
-  const bool x_is_open = info.placement == PlacementRule::kPointAxis ||
-                         info.placement == PlacementRule::kPointNormal || info.placement == PlacementRule::kTwoPoints;
+  const bool x_is_open = info.placement == PlacementRule::kPointAxis || info.placement == PlacementRule::kPointNormal ||
+                         info.placement == PlacementRule::kTwoPoints;
   if (x_is_open) {
     type.fields.push_back(field("x", K::kDirection, kOfPureNumber,
                                 "Direction of the x axis of the joint's frame, made perpendicular to z",
@@ -79,8 +80,8 @@ ObjectType joint_type(const JointTypeInfo& info) {
   type.fields.push_back(object_field("misalignment", K::kObject, Family::kMisalignment,
                                      "Where the second body's seat lies off its drawn place", "none"));
   if (info.coordinates.size() == 1) {
-    type.fields.push_back(field("limits", K::kNumberPair, kOfCoordinate, "Least and greatest value of the coordinate",
-                                "none"));
+    type.fields.push_back(
+        field("limits", K::kNumberPair, kOfCoordinate, "Least and greatest value of the coordinate", "none"));
   }
   if (info.freedoms() > 0) {
     type.fields.push_back(object_field("friction", K::kObject, Family::kFriction, "Friction in the joint", "none"));
@@ -89,10 +90,16 @@ ObjectType joint_type(const JointTypeInfo& info) {
 }
 
 ObjectFamily joint_family() {
-  ObjectFamily family{Family::kJoint, "joint", "a joint", "type", false, {},
-                      "Joins two bodies. As drawn, every joint coordinate is zero. A coordinate is the motion of the second "
-                      "body relative to the first.",
-                      {}};
+  ObjectFamily family{
+      Family::kJoint,
+      "joint",
+      "a joint",
+      "type",
+      false,
+      {},
+      "Joins two bodies. As drawn, every joint coordinate is zero. A coordinate is the motion of the second "
+      "body relative to the first.",
+      {}};
   for (const JointTypeInfo* info : all_joint_types()) family.types.push_back(joint_type(*info));
   return family;
 }
@@ -105,14 +112,21 @@ ObjectFamily single(Family id, std::string_view name, std::string_view title, st
 }
 
 ObjectFamily coupling_family() {
-  ObjectFamily family{Family::kCoupling, "coupling", "a coupling", "type", false, {},
-                      "Joins joint coordinates; holds as drawn, where all are zero.", {}};
+  ObjectFamily family{Family::kCoupling,
+                      "coupling",
+                      "a coupling",
+                      "type",
+                      false,
+                      {},
+                      "Joins joint coordinates; holds as drawn, where all are zero.",
+                      {}};
   family.types = {
       {"gear",
        "a gear coupling",
        "With `joints: [a, b]`: b = ratio · a.",
        {required(field("joints", K::kCoordinateList, {}, "Two joints, or joint.coordinate")),
-        required(field("ratio", K::kNumber, kOfAny, "Second coordinate per first; rad per m and the like where they differ"))}},
+        required(field("ratio", K::kNumber, kOfAny,
+                       "Second coordinate per first; rad per m and the like where they differ"))}},
       {"linear",
        "a linear coupling",
        "Σ coefficient · coordinate = 0.",

@@ -42,8 +42,8 @@ class ConsequenceFilter {
   bool is_consequence(const Diagnostic& one) const {
     if (one.code == "F309" && (one.at.known() || one.at.column < 0)) return true;  // a number reported before
     if (one.code == "F315" && (faults_.joint_without_bodies || faults_.section_without_entries)) return true;
-    if (faults_.section_without_entries && (one.code == "F303" || one.code == "F304" || one.code == "F306" ||
-                                            one.code == "F403")) {
+    if (faults_.section_without_entries &&
+        (one.code == "F303" || one.code == "F304" || one.code == "F306" || one.code == "F403")) {
       return true;
     }
     for (const std::string& joint : faults_.joints_without_type) {
@@ -89,7 +89,8 @@ void read_parameter_texts(const ReadModelOptions& options, const ModelSpec& spec
   for (const std::string& text : options.parameter_texts) {
     const std::size_t equals = text.find('=');
     if (equals == std::string::npos || equals == 0) {
-      values.error("F216", {}, fmt::format("{} is not name=value", quoted_in_message(text)), "for instance length=120 mm");
+      values.error("F216", {}, fmt::format("{} is not name=value", quoted_in_message(text)),
+                   "for instance length=120 mm");
       continue;
     }
     const std::string name = text.substr(0, equals);
@@ -147,6 +148,8 @@ ModelReadResult read_model_text(std::string text, std::string name, const ReadMo
   read_parameter_texts(options, result.spec, values, overrides);
   ModelBuildResult built = build_model(result.spec, overrides);
   result.diagnostics = name_edits(merged(result.diagnostics, built.diagnostics, reader.faults()), options.edits);
+  if (!built.model && !result.diagnostics.has_errors())
+    result.diagnostics = built.diagnostics;  // nothing to follow from
   if (!result.diagnostics.has_errors()) result.model = std::move(built.model);
   return result;
 }

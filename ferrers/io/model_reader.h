@@ -18,8 +18,9 @@ struct ReadModelOptions {
   std::map<std::string, double> parameters;
   /// The same as text, 'name=value' with or without a unit, as on a command line; these win.
   std::vector<std::string> parameter_texts;
-  /// Changes of any field before the file is read, 'path=value': path as in `bodies.crank.mass` or `bodies.crank.com[0]`,
-  /// value in YAML. The path must exist but for its last key, which may be a field that the file leaves out.
+  /// Changes of any field before the file is read, 'path=value': path as in `bodies.crank.mass` or
+  /// `bodies.crank.com[0]`, value in YAML. The path must exist but for its last key, which may be a field that the file
+  /// leaves out.
   std::vector<std::string> edits;
   /// Folder of law files, for `read_model_text`; without one a law file is an error.
   std::optional<std::filesystem::path> folder;

@@ -60,7 +60,9 @@ std::string text_of(const PlaceSpec& place) {
   return "{" + text + "}";
 }
 
-std::string text_of(const std::array<NameRef, 2>& names) { return fmt::format("[{}, {}]", names[0].name, names[1].name); }
+std::string text_of(const std::array<NameRef, 2>& names) {
+  return fmt::format("[{}, {}]", names[0].name, names[1].name);
+}
 
 std::string text_of(const CoordinateRef& ref) {
   return ref.coordinate.empty() ? ref.joint.name : ref.joint.name + "." + ref.coordinate;
@@ -147,7 +149,10 @@ std::string text_of(const MisalignmentSpec& misalignment) {
 
 std::string text_of(const FrictionSpec& friction) {
   FlowMap map;
-  return map.add_if("viscous", friction.viscous).add_if("coulomb", friction.coulomb).add_if("radius", friction.radius).text();
+  return map.add_if("viscous", friction.viscous)
+      .add_if("coulomb", friction.coulomb)
+      .add_if("radius", friction.radius)
+      .text();
 }
 
 std::string text_of(const std::array<Number, 2>& pair) { return list_of(pair); }

@@ -23,13 +23,27 @@ std::vector<std::string_view> tags_of(const ObjectFamily& family) {
 /// What people call the same thing elsewhere.
 std::string_view other_name(std::string_view written) {
   static constexpr std::array<std::array<std::string_view, 2>, 22> kNames = {{
-      {"hinge", "revolute"},         {"pin", "revolute"},        {"rotational", "revolute"},
-      {"continuous", "revolute"},    {"slider", "prismatic"},    {"slide", "prismatic"},
-      {"translational", "prismatic"}, {"fixed", "weld"},         {"rigid", "weld"},
-      {"ball", "spherical"},         {"floating", "free"},       {"cardan", "universal"},
-      {"hooke", "universal"},        {"helical", "screw"},       {"rack_and_pinion", "gear"},
-      {"gears", "gear"},             {"damper", "joint_damping"}, {"rotational_spring", "torsion_spring"},
-      {"cuboid", "box"},             {"ball_shape", "sphere"},   {"bar", "rod"},
+      {"hinge", "revolute"},
+      {"pin", "revolute"},
+      {"rotational", "revolute"},
+      {"continuous", "revolute"},
+      {"slider", "prismatic"},
+      {"slide", "prismatic"},
+      {"translational", "prismatic"},
+      {"fixed", "weld"},
+      {"rigid", "weld"},
+      {"ball", "spherical"},
+      {"floating", "free"},
+      {"cardan", "universal"},
+      {"hooke", "universal"},
+      {"helical", "screw"},
+      {"rack_and_pinion", "gear"},
+      {"gears", "gear"},
+      {"damper", "joint_damping"},
+      {"rotational_spring", "torsion_spring"},
+      {"cuboid", "box"},
+      {"ball_shape", "sphere"},
+      {"bar", "rod"},
       {"moment", "torque"},
   }};
   for (const auto& [theirs, ours] : kNames) {
@@ -48,8 +62,9 @@ ObjectReader::ObjectReader(ValueReader& values, const DocumentNode& node, Family
     return;
   }
   if (node.kind == Kind::kNull) {
-    values_.error("F212", node.at, fmt::format("{} is empty", who()),
-                  family_.choice_key.empty() ? "" : fmt::format("it is {} and needs '{}'", family_.title, family_.choice_key));
+    values_.error(
+        "F212", node.at, fmt::format("{} is empty", who()),
+        family_.choice_key.empty() ? "" : fmt::format("it is {} and needs '{}'", family_.title, family_.choice_key));
     return;
   }
   if (node.kind != Kind::kMap) {

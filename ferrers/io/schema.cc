@@ -61,34 +61,62 @@ Json family_reference(Family family) { return reference(object_family(family).na
 Json value_schema(const FieldInfo& field) {
   const Json number = reference("number");
   switch (field.kind) {
-    case ValueKind::kVersion: return {{"const", 1}};
-    case ValueKind::kNumber: return number;
-    case ValueKind::kNumberOrList: return any_of({number, list_of(number, 0)});
-    case ValueKind::kNumberList: return list_of(number, 0);
-    case ValueKind::kNumberPair: return list_of(number, 2);
-    case ValueKind::kVector3: return reference("vector3");
-    case ValueKind::kVector3OrScalar: return any_of({number, reference("vector3")});
-    case ValueKind::kStiffness3: return reference("stiffness3");
-    case ValueKind::kVector4: return reference("vector4");
-    case ValueKind::kDirection: return reference("direction");
-    case ValueKind::kPlace: return reference("place");
-    case ValueKind::kAxis: return reference("axis");
-    case ValueKind::kAxisPair: return any_of({list_of(reference("axis"), 2), by_body(reference("direction"))});
-    case ValueKind::kPoints: return any_of({reference("point_pair"), by_body(reference("vector3"))});
-    case ValueKind::kPointPair: return reference("point_pair");
-    case ValueKind::kInteger: return {{"type", "integer"}, {"minimum", 2}};
-    case ValueKind::kBoolean: return {{"type", "boolean"}};
-    case ValueKind::kText: return {{"type", "string"}};
-    case ValueKind::kChoice: return {{"enum", Json(field.choices)}};
-    case ValueKind::kName: return reference("name");
-    case ValueKind::kNamePair: return list_of(reference("name"), 2);
-    case ValueKind::kCoordinate: return reference("coordinate");
-    case ValueKind::kCoordinateList: return list_of(reference("coordinate"), 0);
-    case ValueKind::kExpression: return reference("formula");
-    case ValueKind::kLaw: return reference("law");
-    case ValueKind::kLaw3: return list_of(reference("law"), 3);
-    case ValueKind::kObject: return family_reference(field.family);
-    case ValueKind::kNamedObjects: return named(family_reference(field.family));
+    case ValueKind::kVersion:
+      return {{"const", 1}};
+    case ValueKind::kNumber:
+      return number;
+    case ValueKind::kNumberOrList:
+      return any_of({number, list_of(number, 0)});
+    case ValueKind::kNumberList:
+      return list_of(number, 0);
+    case ValueKind::kNumberPair:
+      return list_of(number, 2);
+    case ValueKind::kVector3:
+      return reference("vector3");
+    case ValueKind::kVector3OrScalar:
+      return any_of({number, reference("vector3")});
+    case ValueKind::kStiffness3:
+      return reference("stiffness3");
+    case ValueKind::kVector4:
+      return reference("vector4");
+    case ValueKind::kDirection:
+      return reference("direction");
+    case ValueKind::kPlace:
+      return reference("place");
+    case ValueKind::kAxis:
+      return reference("axis");
+    case ValueKind::kAxisPair:
+      return any_of({list_of(reference("axis"), 2), by_body(reference("direction"))});
+    case ValueKind::kPoints:
+      return any_of({reference("point_pair"), by_body(reference("vector3"))});
+    case ValueKind::kPointPair:
+      return reference("point_pair");
+    case ValueKind::kInteger:
+      return {{"type", "integer"}, {"minimum", 2}};
+    case ValueKind::kBoolean:
+      return {{"type", "boolean"}};
+    case ValueKind::kText:
+      return {{"type", "string"}};
+    case ValueKind::kChoice:
+      return {{"enum", Json(field.choices)}};
+    case ValueKind::kName:
+      return reference("name");
+    case ValueKind::kNamePair:
+      return list_of(reference("name"), 2);
+    case ValueKind::kCoordinate:
+      return reference("coordinate");
+    case ValueKind::kCoordinateList:
+      return list_of(reference("coordinate"), 0);
+    case ValueKind::kExpression:
+      return reference("formula");
+    case ValueKind::kLaw:
+      return reference("law");
+    case ValueKind::kLaw3:
+      return list_of(reference("law"), 3);
+    case ValueKind::kObject:
+      return family_reference(field.family);
+    case ValueKind::kNamedObjects:
+      return named(family_reference(field.family));
     case ValueKind::kNamedLists: {
       const Json one = family_reference(field.family);
       return named(any_of({one, list_of(one, 0)}));
@@ -144,7 +172,8 @@ Json family_schema(const ObjectFamily& family) {
 }  // namespace
 
 std::string model_schema_json() {
-  Json schema = {{"$schema", "https://json-schema.org/draft/2020-12/schema"}, {"title", "Ferrers model file, version 1"}};
+  Json schema = {{"$schema", "https://json-schema.org/draft/2020-12/schema"},
+                 {"title", "Ferrers model file, version 1"}};
   schema.update(family_schema(object_family(Family::kModel)));
   schema["title"] = "Ferrers model file, version 1";
   Json defs = shared_definitions();

@@ -21,11 +21,16 @@ void SpecReader::read_force(const DocumentNode& node, const NameRef& name) {
   ObjectReader object(values_, node, Family::kForceElement, name);
   if (!object.usable()) return;
   bool complete = false;
-  if (object.tag() == "spring") complete = read_spring(object, force);
-  else if (object.tag() == "torsion_spring") complete = read_torsion_spring(object, force);
-  else if (object.tag() == "joint_damping") complete = read_joint_damping(object, force);
-  else if (object.tag() == "bushing") complete = read_bushing(object, force);
-  else complete = read_load(object, force, object.tag());
+  if (object.tag() == "spring")
+    complete = read_spring(object, force);
+  else if (object.tag() == "torsion_spring")
+    complete = read_torsion_spring(object, force);
+  else if (object.tag() == "joint_damping")
+    complete = read_joint_damping(object, force);
+  else if (object.tag() == "bushing")
+    complete = read_bushing(object, force);
+  else
+    complete = read_load(object, force, object.tag());
   if (complete) spec_.forces.push_back(std::move(force));
 }
 

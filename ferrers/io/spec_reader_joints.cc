@@ -33,8 +33,10 @@ void SpecReader::read_joint(const DocumentNode& node, const NameRef& name) {
   } else {
     joint.type = find_joint_type(object.tag())->type;
     object.set_coordinates(dimensions_of(joint));
-    if (const auto bodies = object.name_pair("bodies")) joint.bodies = *bodies;
-    else faults_.joint_without_bodies = true;
+    if (const auto bodies = object.name_pair("bodies"))
+      joint.bodies = *bodies;
+    else
+      faults_.joint_without_bodies = true;
     read_placement(object, joint);
     read_joint_extras(object, joint);
   }
@@ -47,7 +49,8 @@ void SpecReader::read_joint_without_type(const DocumentNode& node, JointSpec& jo
   faults_.joints_without_type.insert(joint.name.name);
   joint.type = JointType::kFree;
   const DocumentNode* bodies = node.find("bodies");
-  if (bodies == nullptr || bodies->items.size() != 2 || !bodies->items[0].is_scalar() || !bodies->items[1].is_scalar()) {
+  if (bodies == nullptr || bodies->items.size() != 2 || !bodies->items[0].is_scalar() ||
+      !bodies->items[1].is_scalar()) {
     faults_.joint_without_bodies = true;
     return;
   }

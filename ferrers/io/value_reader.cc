@@ -68,8 +68,8 @@ bool is_word(std::string_view text, std::initializer_list<std::string_view> word
 }
 
 bool looks_boolean(std::string_view text) {
-  return is_word(text, {"true", "True", "TRUE", "false", "False", "FALSE", "yes", "Yes", "YES", "no", "No", "NO", "on",
-                        "On", "ON", "off", "Off", "OFF", "y", "Y", "n", "N"});
+  return is_word(text, {"true", "True", "TRUE", "false", "False", "FALSE", "yes", "Yes", "YES", "no", "No",
+                        "NO",   "on",   "On",   "ON",    "off",   "Off",   "OFF", "y",   "Y",   "n",  "N"});
 }
 
 std::string describe(const DocumentNode& node) {
@@ -139,13 +139,16 @@ void ValueReader::not_a_number(std::string_view text, SourceRange at, ValueLabel
   const std::string key = quoted_in_message(label.key);
   const std::string got = quoted_in_message(text);
   const std::string_view unsigned_text = !text.empty() && (text[0] == '-' || text[0] == '+') ? text.substr(1) : text;
-  if (is_word(unsigned_text, {".inf", ".Inf", ".INF", ".nan", ".NaN", ".NAN", "inf", "nan", "Infinity", "NaN", "Inf"})) {
+  if (is_word(unsigned_text,
+              {".inf", ".Inf", ".INF", ".nan", ".NaN", ".NAN", "inf", "nan", "Infinity", "NaN", "Inf"})) {
     return error("F206", at, fmt::format("{} wants a finite number, got {}", key, got));
   }
   if (digits == 0) {
     std::string hint;
-    if (looks_boolean(text)) hint = "true and false are no numbers";
-    else if (!text.empty()) hint = fmt::format("a formula starts with '=': \"= {}\"", text.substr(0, 60));
+    if (looks_boolean(text))
+      hint = "true and false are no numbers";
+    else if (!text.empty())
+      hint = fmt::format("a formula starts with '=': \"= {}\"", text.substr(0, 60));
     return error("F203", at, fmt::format("{} wants a number, got the text {}", key, got), std::move(hint));
   }
   const char next = rest.empty() ? ' ' : rest.front();
@@ -360,7 +363,8 @@ std::optional<std::string> ValueReader::text(const DocumentNode& node, ValueLabe
   if (node.kind == Kind::kPlain) {
     const bool is_number = scan_decimal(node.text) == node.text.size();
     if (!is_number && !is_word(node.text, {"true", "false"})) return node.text;
-    error("F203", node.at, fmt::format("{} wants a text, got {}", quoted_in_message(label.key), node.text.substr(0, 60)),
+    error("F203", node.at,
+          fmt::format("{} wants a text, got {}", quoted_in_message(label.key), node.text.substr(0, 60)),
           fmt::format("a text that looks like something else needs quotes: \"{}\"", node.text.substr(0, 60)));
     return std::nullopt;
   }
@@ -430,8 +434,10 @@ std::optional<LawSpec> ValueReader::law(const DocumentNode& node, ValueLabel lab
     return std::nullopt;
   }
   const Number value = number(node, label, wanted);
-  if (value.expression) law.expression = value.expression;
-  else if (std::isfinite(value.value)) law.expression = Expression::constant(value.value);
+  if (value.expression)
+    law.expression = value.expression;
+  else if (std::isfinite(value.value))
+    law.expression = Expression::constant(value.value);
   return law.expression ? std::optional(law) : std::nullopt;
 }
 
