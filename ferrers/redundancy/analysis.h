@@ -24,6 +24,7 @@ struct Selection {
   std::vector<int> dependent;    ///< r coordinates that they determine, ascending.
   std::vector<int> independent;  ///< The other n − r, ascending.
   double smallest_pivot = 1;     ///< Of the chosen block, scaled, when it was chosen.
+  std::vector<int> excluded_rows(int m) const;  ///< The m − r rows left out, ascending.
 };
 
 /// What every solution shares of one joint's (or coupling's) reaction.

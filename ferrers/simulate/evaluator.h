@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <string>
 
@@ -18,13 +19,19 @@ class Evaluator {
  public:
   Evaluator(std::shared_ptr<const DynamicsModel> model, Formulation formulation);
 
-  /// Decides at `state` and records it. With `keep_rank` only rows and coordinates are chosen anew.
-  void decide(const State& state, bool keep_rank, const std::string& reason, RunSummary& summary);
+  /// Decides at `state` and records it.
+  void decide(const State& state, const std::string& reason, RunSummary& summary);
+  /// Chooses rows and coordinates anew with the rank kept, where that gives clearly better pivots; records it then.
+  /// The accelerations at `state` are evaluated afterwards either way.
+  ForwardStatus choose_again(const State& state, RunSummary& summary);
 
   ForwardStatus evaluate(const State& state);
   /// Projects onto the constraints in the mass metric of the last evaluation. Returns the residual left, m.
   double project(State& state);
   bool is_worn() const;
+  /// Smallest pivot of the evaluations since `reset_watch`, over the best one known: how much rounding is amplified.
+  double smallest_pivot_ratio() const { return best_pivot_ > 0 ? smallest_pivot_ / best_pivot_ : 1; }
+  void reset_watch() { smallest_pivot_ = std::numeric_limits<double>::infinity(); }
   double left_out_residual() const;  ///< Largest scaled residual of all rows at the last evaluation, m.
 
   const System& system() const { return *model_->system; }
@@ -36,6 +43,9 @@ class Evaluator {
   long evaluations() const { return evaluations_; }
 
  private:
+  void use(Selection selection);
+  void record(double t, const std::string& reason, RunSummary& summary) const;
+
   std::shared_ptr<const DynamicsModel> model_;
   Formulation formulation_;
   Scaling scaling_;
@@ -48,7 +58,8 @@ class Evaluator {
   ConstraintKinematics projected_;
   PositionKinematics projected_pos_;
   VelocityKinematics projected_vel_;
-  double healthy_pivot_ = 0;
+  double healthy_pivot_ = 0, best_pivot_ = 0;  ///< When rows and coordinates were chosen; the largest of those.
+  double smallest_pivot_ = std::numeric_limits<double>::infinity();
   bool pivot_known_ = false;
   long evaluations_ = 0;
 };

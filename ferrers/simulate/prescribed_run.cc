@@ -21,11 +21,7 @@ DecisionRecord describe(const System& system, const Selection& selection) {
   record.rank = static_cast<int>(selection.rows.size());
   record.mobility = static_cast<int>(selection.independent.size());
   record.reason = "start";
-  std::vector<bool> kept(system.m, false);
-  for (const int row : selection.rows) kept[row] = true;
-  for (int row = 0; row < system.m; ++row) {
-    if (!kept[row]) record.excluded_rows.push_back(system.row_names[row]);
-  }
+  for (const int row : selection.excluded_rows(system.m)) record.excluded_rows.push_back(system.row_names[row]);
   for (const int v : selection.independent) record.independent_coordinates.push_back(system.coordinate_names[v]);
   return record;
 }

@@ -12,7 +12,7 @@
 namespace ferrers {
 namespace {
 
-constexpr double kDefaultTolerance = 1e-10;
+constexpr double kDefaultTolerance = 3e-11;
 
 constexpr std::array<std::pair<Integrator, std::string_view>, 2> kIntegrators = {
     {{Integrator::kRungeKutta4, "runge-kutta-4"}, {Integrator::kConstantAcceleration, "constant-acceleration"}}};
@@ -61,7 +61,7 @@ class Run {
     for (const DriveComponent& drive : model_->drives) {
       if (!drive.effort) summary_.notices.push_back("drive '" + drive.name + "' has no effort law: it does not act");
     }
-    evaluator_.decide(state_, false, "start", summary_);
+    evaluator_.decide(state_, "start", summary_);
     if (!evaluate(state_)) return false;
     emit();
     summary_.energy_start = summary_.energy_min = summary_.energy_max = energy_;
@@ -86,16 +86,18 @@ class Run {
     summary_.method += ", " + std::string(to_string(options_.formulation));
   }
 
-  bool evaluate(const State& state) {
-    switch (evaluator_.evaluate(state)) {
+  bool evaluate(const State& state) { return solved(evaluator_.evaluate(state)); }
+
+  bool solved(ForwardStatus status) {
+    switch (status) {
       case ForwardStatus::kSolved: return true;
       case ForwardStatus::kSingularMass:
         return fail(RunStatus::kSingularMass,
-                    "the mass matrix is singular on the admissible motions at t = " + number(state.t) +
+                    "the mass matrix is singular on the admissible motions at t = " + number(state_.t) +
                         " s: some motion moves no mass; give the bodies that it moves a mass or an inertia");
       case ForwardStatus::kWornSelection: break;
     }
-    return fail(RunStatus::kStepTooSmall, "accelerations cannot be computed at t = " + number(state.t) + " s");
+    return fail(RunStatus::kStepTooSmall, "accelerations cannot be computed at t = " + number(state_.t) + " s");
   }
 
   void emit() {
@@ -139,7 +141,7 @@ class Run {
     }
     while (state_.t < t) {
       const double left = t - state_.t;
-      if (step_ <= 0) step_ = std::min(left, 0.1 * first_step());
+      if (step_ <= 0) step_ = std::min(left, 0.01 / fastest_rate());
       const double h = step_ >= left ? left : (2 * step_ > left ? 0.5 * left : step_);
       if (!take_step(h)) return false;
       if (t - state_.t < 1e-12 * std::max(left, h)) state_.t = t;
@@ -147,45 +149,53 @@ class Run {
     return true;
   }
 
-  // A time in which nothing much happens: from the fastest rate or acceleration.
-  double first_step() const {
-    const VectorXd unit = evaluator_.scaling().columns * evaluator_.scaling().length_m;
-    double rate = 0;
-    if (system().nv > 0) {
-      rate = std::max(state_.v.cwiseQuotient(unit).cwiseAbs().maxCoeff(),
-                      std::sqrt(evaluator_.result().vdot.cwiseQuotient(unit).cwiseAbs().maxCoeff()));
+  // The fastest rate or square root of an acceleration, 1/s.
+  double fastest_rate() const {
+    double rate = 0, curvature = 0;
+    const VectorXd& vdot = evaluator_.result().vdot;
+    for (int k = 0; k < system().nv; ++k) {
+      const double unit = evaluator_.scaling().columns[k] * evaluator_.scaling().length_m;
+      rate = std::max(rate, std::abs(state_.v[k]) / unit);
+      curvature = std::max(curvature, std::abs(vdot[k]) / unit);
     }
-    return rate > 0 ? 0.1 / rate : options_.grid.every;
+    return std::max({rate, std::sqrt(curvature), 1e-3 / options_.grid.every});
   }
 
   bool take_step(double h) {
-    Stepper::Outcome outcome = stepper_->step(evaluator_, state_, h, next_);
-    if (adaptive_) {
-      while (!outcome.finite || outcome.error > allowed_error(h)) {
-        ++summary_.rejected_steps;
-        const double shrink = outcome.finite ? std::clamp(0.9 * std::pow(allowed_error(h) / outcome.error, 0.25), 0.1, 0.7) : 0.25;
-        h *= shrink;
-        step_ = h;
-        if (h < 1e-12 * std::max(1e-3 * options_.grid.every, std::abs(state_.t)) || h < 1e-14 * first_step()) return stuck(h);
-        if (!evaluate(state_)) return false;
-        outcome = stepper_->step(evaluator_, state_, h, next_);
-      }
-      const double growth = outcome.error > 0 ? 0.9 * std::pow(allowed_error(h) / outcome.error, 0.25) : 4;
-      const double proposed = h * std::clamp(growth, 0.2, 4.0);
-      if (h >= step_ * 0.999 || proposed < step_) step_ = proposed;
-    } else if (!outcome.finite) {
-      return stuck(h);
-    }
+    if (!(adaptive_ ? step_with_control(h) : stepper_->step(evaluator_, state_, h, next_).finite)) return stuck(h);
     ++summary_.steps;
     summary_.largest_step = std::max(summary_.largest_step, h);
     summary_.smallest_step = summary_.smallest_step > 0 ? std::min(summary_.smallest_step, h) : h;
     return accept();
   }
 
+  // Repeats the step with smaller `h` until its error is allowed; proposes the next one.
+  bool step_with_control(double& h) {
+    const double fastest = fastest_rate(), shortest = 1e-12 * std::min(options_.grid.every, 1 / fastest);
+    while (true) {
+      evaluator_.reset_watch();
+      const Stepper::Outcome outcome = stepper_->step(evaluator_, state_, h, next_);
+      const double allowed = std::max(allowed_error(h, fastest), rounding_error(h, fastest));
+      const double change = outcome.error > 0 ? 0.9 * std::pow(allowed / outcome.error, 0.25) : 4.0;
+      if (outcome.finite && outcome.error <= allowed) {
+        const double proposed = h * std::clamp(change, 0.2, 4.0);
+        if (h >= 0.999 * step_ || proposed < step_) step_ = proposed;
+        return true;
+      }
+      ++summary_.rejected_steps;
+      h *= outcome.finite ? std::clamp(change, 0.1, 0.7) : 0.25;
+      step_ = h;
+      if (h < shortest || !evaluate(state_)) return false;
+    }
+  }
+
   // Error per unit of motion: a step may err by the tolerance times how far things move in it.
-  double allowed_error(double h) const {
-    const double swept = 0.1 * h / first_step();
-    return tolerance_ * std::clamp(swept, 1e-3, 1.0);
+  double allowed_error(double h, double fastest) const { return tolerance_ * std::clamp(h * fastest, 1e-3, 1.0); }
+
+  // Near a singular pose rounding is amplified by the small pivots; no smaller step would be more accurate.
+  double rounding_error(double h, double fastest) const {
+    const double amplified = 1e-15 * system().nv / std::max(evaluator_.smallest_pivot_ratio(), 1e-9);
+    return std::min(h * fastest, 1.0) * amplified;
   }
 
   bool stuck(double h) {
@@ -203,10 +213,7 @@ class Run {
                       number(evaluator_.left_out_residual()) +
                       " m): the redundancy seen at the last decision held only at that pose");
     }
-    if (evaluator_.is_worn()) {
-      evaluator_.decide(state_, true, "the chosen coordinates became ill-conditioned", summary_);
-      return evaluate(state_);
-    }
+    if (evaluator_.is_worn()) return solved(evaluator_.choose_again(state_, summary_));
     return true;
   }
 
