@@ -165,15 +165,35 @@ class TreeBuilder : public YAML::EventHandler {
       node.at = source_.range(offset, end - offset);
       node.text_at = source_.range(offset + 1, value.size());
       node.verbatim = source_.text().substr(offset + 1, value.size()) == value;
+      if (!node.verbatim) node.raw = source_.text().substr(offset + 1, end - offset - 2);
+      if (node.raw.find_first_of("\\\r'\"") != std::string::npos) node.raw.clear();  // escapes: not the text
     } else {
       const bool block = tag == "!";
       node.kind = block ? Kind::kQuoted : Kind::kPlain;
       node.verbatim = !block && source_.text().substr(offset, value.size()) == value;
       node.at = source_.range(offset, block ? 1 : node.verbatim ? value.size() : source_.text().size());
       node.text_at = node.at;
+      if (!node.verbatim && !block) node.raw = unfolded(offset, value);
     }
     if (first == '&') node.kind = Kind::kBroken;
     return node;
+  }
+
+  /// The lines of a plain scalar as they stand in the file: every run of white space for one in `folded`.
+  std::string unfolded(std::size_t offset, std::string_view folded) const {
+    const auto is_space = [](char c) { return c == ' ' || c == '\n' || c == '\t'; };
+    const std::string_view text = source_.text();
+    std::size_t i = offset;
+    for (std::size_t j = 0; j < folded.size();) {
+      if (i >= text.size() || is_space(text[i]) != is_space(folded[j])) return {};
+      if (!is_space(text[i])) {
+        if (text[i++] != folded[j++]) return {};
+        continue;
+      }
+      while (i < text.size() && is_space(text[i])) ++i;
+      while (j < folded.size() && is_space(folded[j])) ++j;
+    }
+    return std::string(text.substr(offset, i - offset));
   }
 
   /// Behind the closing quote. The parser takes the end of the file for one; here it is an error.

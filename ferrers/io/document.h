@@ -34,6 +34,7 @@ struct DocumentNode {
   SourceRange at;                      ///< Scalars with their quotes; collections from their first byte.
   SourceRange text_at;                 ///< Scalars: behind the opening quote.
   std::string text;                    ///< Scalars.
+  std::string raw;                     ///< As written from `text_at` on, line ends and all, where that is not `text`.
   std::vector<DocumentNode> items;     ///< Sequences.
   std::vector<DocumentEntry> entries;  ///< Maps, in the order of the file, keys unique.
 

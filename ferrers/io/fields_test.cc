@@ -88,6 +88,13 @@ TEST(FieldsTest, ThePageNamesEveryFieldAndFamily) {
   }
 }
 
+TEST(FieldsTest, TheCommittedPageIsTheOneOfTheTable) {
+  std::ifstream stream(std::string(FERRERS_SOURCE_DIR) + "/docs/model-file.md");
+  std::ostringstream committed;
+  committed << stream.rdbuf();
+  EXPECT_EQ(committed.str(), model_reference_page());
+}
+
 TEST(FieldsTest, NamesAreAsTheFormatSays) {
   for (const char* good : {"a", "_", "A_1", "crank"}) EXPECT_TRUE(is_model_name(good)) << good;
   for (const char* bad : {"", "1a", "a-b", "a.b", "a b", "\xC3\xA9"}) EXPECT_FALSE(is_model_name(bad)) << bad;

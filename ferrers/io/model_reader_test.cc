@@ -112,6 +112,14 @@ TEST(ModelReaderTest, ALongFormulaOverSeveralLinesIsRead) {
   EXPECT_EQ(result.model->parameters()[1].value, 6.0);
 }
 
+TEST(ModelReaderTest, PlacesInAFormulaOverSeveralLinesAreExact) {
+  const ModelReadResult result = read_model_text(
+      "ferrers: 1\nparameters:\n  a: = 1 +\n    foo\n  b: \"= 2 *\n    bar\"\nbodies: {}\n", "folded.yaml");
+  ASSERT_EQ(codes_of(result), (std::vector<std::string>{"F403", "F403"}));
+  EXPECT_EQ(result.diagnostics.items()[0].at, (SourceRange{4, 5, 3}));
+  EXPECT_EQ(result.diagnostics.items()[1].at, (SourceRange{6, 5, 3}));
+}
+
 TEST(ModelReaderTest, StiffnessOfOneNumberStandsForThreeAndRigidForInfinity) {
   const ModelReadResult result = read_model_text(
       "ferrers: 1\nbodies: {a: {}}\njoints: {w: {type: weld, bodies: [ground, a], at: [0, 0, 0], "

@@ -159,6 +159,7 @@ void ValueReader::not_a_number(std::string_view text, SourceRange at, ValueLabel
   if (is_word(text.substr(0, digits), {"0", "+0", "-0"}) && is_word(rest.substr(0, 1), {"x", "X", "o", "b", "B"})) {
     return error("F206", at, fmt::format("{} is no decimal number", got), "write it in decimal digits");
   }
+  if (next == '.' || is_digit(next)) return error("F206", at, fmt::format("{} is no decimal number", got));
   const std::string_view unit = trim(rest);
   std::string hint = "units are written like mm, kg, N*m, N/m, kg*m^2, rad/s, deg, rpm";
   if (unit.find_first_of("+-*/()") == 0 || unit.find_first_of("+-()") != std::string_view::npos) {
@@ -208,17 +209,19 @@ std::optional<WrittenNumber> ValueReader::written_number(std::string_view text, 
 }
 
 std::optional<Expression> ValueReader::formula(const DocumentNode& node) {
-  const std::string_view body = trim_left(node.text);
-  SourceRange at = node.verbatim ? node.text_at : node.at;
-  const std::size_t skipped = node.text.size() - body.size() + 1;
-  if (node.verbatim) {
-    at.column += static_cast<int>(skipped);
-    at.length = static_cast<int>(body.size()) - 1;
-    return Expression::parse(body.substr(1), at, diagnostics_);
+  const bool placed = node.verbatim || !node.raw.empty();
+  const std::string_view text = node.raw.empty() ? std::string_view(node.text) : std::string_view(node.raw);
+  const std::size_t behind = text.find('=') + 1;
+  if (placed && text.substr(0, behind).find('\n') == std::string_view::npos) {
+    SourceRange at = node.text_at;
+    at.column += static_cast<int>(behind);
+    at.length = static_cast<int>(text.size() - behind);
+    return Expression::parse(text.substr(behind), at, diagnostics_);
   }
-  // Folded or escaped text: columns inside it mean nothing, so errors stand at its start.
+  // Escaped text or a block of text: columns inside it mean nothing, so errors stand at its start.
   Diagnostics found;
-  std::optional<Expression> parsed = Expression::parse(body.substr(1), at, found);
+  const std::string_view body = trim_left(node.text).substr(1);
+  std::optional<Expression> parsed = Expression::parse(body, node.at, found);
   for (const Diagnostic& one : found.items()) diagnostics_.error(one.code, node.at, one.message, one.hint);
   return parsed;
 }
