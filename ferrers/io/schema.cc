@@ -117,10 +117,8 @@ Json value_schema(const FieldInfo& field) {
       return family_reference(field.family);
     case ValueKind::kNamedObjects:
       return named(family_reference(field.family));
-    case ValueKind::kNamedLists: {
-      const Json one = family_reference(field.family);
-      return named(any_of({one, list_of(one, 0)}));
-    }
+    case ValueKind::kNamedLists:
+      return named(any_of({family_reference(field.family), list_of(family_reference(field.family), 0)}));
   }
   return Json::object();
 }
