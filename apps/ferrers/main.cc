@@ -7,8 +7,10 @@
 #include <CLI/Formatter.hpp>
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 #include "exit_code.h"
@@ -30,7 +32,6 @@ void describe(CLI::App& command) {
   command.require_subcommand(0, 1);
   command.get_formatter()->column_width(34);
   command.get_formatter()->label("SUBCOMMAND", "VERB");
-  command.get_formatter()->label("Subcommands", "Verbs");
   command.get_formatter()->label("REQUIRED", "");
   command.footer(
       "Examples:\n"
@@ -64,7 +65,11 @@ std::string unknown_words(const CLI::App& command, const CLI::App& asked) {
   if (&asked == &command) {
     for (const std::string& word : words) {
       if (word.empty() || word[0] != '-') {
-        return with_hint(fmt::format("unknown verb '{}'", word), ferrers::did_you_mean(word, verb_names(command)));
+        std::error_code ignored;
+        const bool file = std::filesystem::is_regular_file(word, ignored);
+        return with_hint(fmt::format("unknown verb '{}'", word),
+                         file ? fmt::format("the verb comes first: ferrers analyze {}", word)
+                              : ferrers::did_you_mean(word, verb_names(command)));
       }
     }
   }
@@ -99,13 +104,14 @@ int run(int argc, char** argv) {
   describe(command);
   Job job;
   for (const auto add : kVerbs) add(command, job);
+  for (CLI::App* verb : command.get_subcommands(nullptr)) verb->group("Verbs");
   try {
     command.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return explain(command, error);
   }
   if (!job) {
-    print(argc > 1 ? stderr : stdout, command.help());
+    print(stderr, command.help() + "\nferrers: a verb is missing\n");
     return kExitCommandLine;
   }
   return job();

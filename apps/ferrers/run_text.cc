@@ -27,6 +27,16 @@ std::string load(const std::optional<double>& value, double t, bool determined, 
                      determined ? "" : style.yellow(" (undetermined at times)"));
 }
 
+std::string drives_text(const RunDocument& document, const Style& style) {
+  if (document.drives.empty() || !document.with_reactions) return "";
+  std::vector<std::vector<std::string>> rows = {{"drive", "largest effort"}};
+  for (const DrivePeak& one : document.drives) {
+    rows.push_back({one.drive, one.effort ? fmt::format("{} {} at {} s", number(*one.effort), one.unit, number(one.t))
+                                          : "not known"});
+  }
+  return "\n" + table(rows, "  ", style);
+}
+
 std::string loads_text(const RunDocument& document, const Style& style) {
   const auto& peaks = document.summary->peaks;
   if (!document.with_reactions || peaks.empty() || peaks.size() != document.joints.size()) return "";
@@ -81,6 +91,7 @@ std::string run_text(const RunDocument& document, long rows, const std::string& 
   }
   text += decisions_text(summary);
   for (const std::string& notice : summary.notices) text += line("note", notice);
+  text += drives_text(document, style);
   text += loads_text(document, style);
   if (document.folder)
     text += fmt::format("\n  {} in {}\n    {}\n", counted(rows, "row"), style.bold(*document.folder), files);

@@ -5,14 +5,17 @@
 
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <limits>
 #include <system_error>
 
 #include "exit_code.h"
+#include "ferrers/core/closest_name.h"
 #include "ferrers/io/run_folder.h"
 #include "run_text.h"
 #include "terminal.h"
@@ -101,9 +104,15 @@ class Output {
   void add(const DynamicsModel& dynamics, const RunSample& sample) {
     if (!begun_) begin(dynamics);
     if (!error_.empty()) return;
-    rows_file_.add(sample);
+    if (task_.with_reactions) {
+      drives_.add(sample);
+      rows_file_.add(sample);
+    } else {
+      rows_file_.add(without_forces(dynamics, sample));
+    }
     ++rows_;
   }
+  const std::vector<DrivePeak>& drives() const { return drives_.peaks(); }
   void flush_if_due() { rows_file_.flush_if_due(); }
   void close() { keep(rows_file_.close()); }
   void write_summary(const std::string& text) {
@@ -118,8 +127,18 @@ class Output {
     }
   }
 
+  /// Kinematics knows no efforts, and no energy where a mass is missing: these cells stay empty.
+  const RunSample& without_forces(const DynamicsModel& dynamics, const RunSample& sample) {
+    constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+    partial_ = sample;
+    for (const std::size_t column : drives_.columns()) partial_.values[column] = kUnknown;
+    if (!dynamics.massless_bodies.empty()) partial_.values.back() = kUnknown;
+    return partial_;
+  }
+
   void begin(const DynamicsModel& dynamics) {
     begun_ = true;
+    drives_ = DrivePeaks(dynamics);
     std::vector<std::string> joints;
     if (task_.with_reactions) {
       for (const Joint& joint : loaded_.model->joints()) joints.push_back(joint.name);
@@ -157,6 +176,8 @@ class Output {
   fs::path folder_;
   std::string model_file_, error_;
   RunFolder rows_file_;
+  DrivePeaks drives_;
+  RunSample partial_;
   bool begun_ = false, holds_model_ = false;
   long rows_ = 0;
 };
@@ -243,6 +264,7 @@ int run(const RunTask& task, const RunOptions& options, LoadedModel& loaded,
   document.interrupted = exit_code == kExitInterrupted;
   document.with_reactions = task.with_reactions;
   for (const Joint& joint : loaded.model->joints()) document.joints.push_back(joint.name);
+  document.drives = output.drives();
   if (output.begun()) document.folder = output.folder();
   document.diagnostics = &loaded.diagnostics;
   const std::string json = write_summary_json(document);
@@ -278,6 +300,16 @@ CLI::Validator number_from_zero() {
       "");
 }
 
+CLI::Validator one_of(std::vector<std::string> names) {
+  return CLI::Validator(
+      [names = std::move(names)](std::string& text) {
+        if (std::find(names.begin(), names.end(), text) != names.end()) return std::string();
+        const std::string hint = did_you_mean(text, names);
+        return fmt::format("'{}' is none of {}{}{}", text, fmt::join(names, ", "), hint.empty() ? "" : "; ", hint);
+      },
+      "");
+}
+
 void add_run_options(CLI::App& verb, RunOptions& options, bool with_reactions) {
   add_model_options(verb, options.model);
   verb.add_option("-o,--output", options.folder, "folder of the results [out/MODELNAME-VERB]")->type_name("FOLDER");
@@ -293,7 +325,7 @@ void add_run_options(CLI::App& verb, RunOptions& options, bool with_reactions) {
             },
             "axes of reaction components: world or joint [world]")
         ->type_name("AXES")
-        ->check(CLI::IsMember(std::vector<std::string>{"world", "joint"}));
+        ->check(one_of({"world", "joint"}));
   }
 }
 

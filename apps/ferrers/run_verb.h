@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "ferrers/simulate/simulation.h"
 #include "model_input.h"
@@ -23,6 +24,8 @@ void add_run_options(CLI::App& verb, RunOptions& options, bool with_reactions);
 /// A finite number above zero, or from zero on.
 CLI::Validator positive_number();
 CLI::Validator number_from_zero();
+/// One of some names; says which one was meant.
+CLI::Validator one_of(std::vector<std::string> names);
 
 struct RunTask {
   std::string verb;

@@ -37,14 +37,16 @@ void add_method_options(CLI::App& verb, Options& options) {
           },
           fmt::format("{} [runge-kutta-4]", fmt::join(integrator_names(), " or ")))
       ->type_name("NAME")
-      ->check(CLI::IsMember(integrator_names()));
-  auto* step = verb.add_option_function<double>(
-      "--step", [&options](const double& value) { options.simulation.step = value; }, "fixed step, s");
-  step->type_name("DT")->check(positive_number());
-  auto* tolerance = verb.add_option_function<double>(
-      "--tolerance", [&options](const double& value) { options.simulation.tolerance = value; },
-      "local error per second, of steps that adapt [1e-10]");
-  tolerance->type_name("TOL")->check(positive_number())->excludes(step);
+      ->check(one_of(integrator_names()));
+  verb.add_option_function<double>(
+          "--step", [&options](const double& value) { options.simulation.step = value; }, "fixed step, s")
+      ->type_name("DT")
+      ->check(positive_number());
+  verb.add_option_function<double>(
+          "--tolerance", [&options](const double& value) { options.simulation.tolerance = value; },
+          "local error per second, of steps that adapt [1e-10]; not with --step")
+      ->type_name("TOL")
+      ->check(positive_number());
   verb.add_option_function<std::string>(
           "--formulation",
           [&options](const std::string& name) {
@@ -53,10 +55,13 @@ void add_method_options(CLI::App& verb, Options& options) {
           },
           "null-space, or elimination as in the paper [null-space]")
       ->type_name("NAME")
-      ->check(CLI::IsMember(formulation_names()));
+      ->check(one_of(formulation_names()));
 }
 
 int simulate_model(const Options& options) {
+  if (options.simulation.step && options.simulation.tolerance) {
+    return command_line_error("--step fixes the step, --tolerance adapts it: take one of them");
+  }
   RunTask task;
   task.verb = "simulate";
   task.run = [&](auto model, const RunControl& control) {

@@ -51,12 +51,35 @@ class RunFolder {
 /// Returns what went wrong, or an empty text.
 std::string write_file_whole(const std::filesystem::path& file, std::string_view text);
 
+/// The largest effort of one drive over a run.
+struct DrivePeak {
+  std::string drive, unit;       ///< "N" or "N·m".
+  std::optional<double> effort;  ///< The one of largest size, with its sign; none where efforts are not known.
+  double t = 0;
+};
+
+/// Follows the efforts of every drive through the rows of a run.
+class DrivePeaks {
+ public:
+  DrivePeaks() = default;
+  explicit DrivePeaks(const DynamicsModel& model);
+  void add(const RunSample& sample);
+  const std::vector<DrivePeak>& peaks() const { return peaks_; }
+  /// Position in `RunSample::values` of each drive's effort.
+  const std::vector<std::size_t>& columns() const { return columns_; }
+
+ private:
+  std::vector<DrivePeak> peaks_;
+  std::vector<std::size_t> columns_;
+};
+
 /// One run as `summary.json` tells it. `RunSummary` is null where the run did not begin.
 struct RunDocument {
   std::string verb, model;  ///< An empty model: not known.
   const RunSummary* summary = nullptr;
   bool interrupted = false;           ///< Stopped from outside.
   std::vector<std::string> joints;    ///< Names, in the order of `RunSummary::peaks`.
+  std::vector<DrivePeak> drives;      ///< Largest efforts.
   bool with_reactions = true;         ///< False: kinematics; loads are not known.
   std::optional<std::string> folder;  ///< Where the files are; none when nothing was written.
   const Diagnostics* diagnostics = nullptr;

@@ -1,3 +1,6 @@
+#include <algorithm>
+#include <cmath>
+
 #include "ferrers/core/checks.h"
 #include "ferrers/io/json_values.h"
 #include "ferrers/io/run_folder.h"
@@ -48,6 +51,26 @@ OrderedJson joint_values(const RunDocument& document) {
   return all;
 }
 
+OrderedJson drive_values(const std::vector<DrivePeak>& drives) {
+  OrderedJson all = OrderedJson::array();
+  for (const DrivePeak& one : drives) {
+    OrderedJson value;
+    value["drive"] = one.drive;
+    value["max_effort"] = value_or_null(one.effort);
+    value["max_effort_t"] = one.effort ? OrderedJson(one.t) : OrderedJson();
+    value["unit"] = one.unit;
+    all.push_back(std::move(value));
+  }
+  return all;
+}
+
+std::string effort_unit(const DynamicsModel& model, const DriveComponent& drive) {
+  if (drive.kind != Drive::Kind::kCoordinate) return "N";
+  const Joint& joint = model.system->model->joint(drive.coordinate.joint);
+  const CoordinateKind kind = joint_type_info(joint.type).coordinates[drive.coordinate.index].kind;
+  return kind == CoordinateKind::kAngle || kind == CoordinateKind::kRotationRate ? "N·m" : "N";
+}
+
 void add_summary(const RunDocument& document, OrderedJson& out) {
   const RunSummary& summary = *document.summary;
   out["status"] = run_status_name(summary.status, document.interrupted);
@@ -70,10 +93,31 @@ void add_summary(const RunDocument& document, OrderedJson& out) {
   for (const DecisionRecord& decision : summary.decisions) decisions.push_back(decision_value(decision));
   out["decisions"] = std::move(decisions);
   out["notices"] = summary.notices;
+  out["drives"] = drive_values(document.drives);
   out["joints"] = joint_values(document);
 }
 
 }  // namespace
+
+DrivePeaks::DrivePeaks(const DynamicsModel& model) {
+  const std::vector<std::string> columns = run_columns(model);
+  for (const DriveComponent& drive : model.drives) {
+    const auto found = std::find(columns.begin(), columns.end(), drive.name + ".effort");
+    require(found != columns.end(), "DrivePeaks: a drive without a column");
+    columns_.push_back(static_cast<std::size_t>(found - columns.begin()));
+    peaks_.push_back({drive.name, effort_unit(model, drive), std::nullopt, 0});
+  }
+}
+
+void DrivePeaks::add(const RunSample& sample) {
+  for (std::size_t i = 0; i < peaks_.size(); ++i) {
+    const double effort = sample.values.at(columns_[i]);
+    DrivePeak& peak = peaks_[i];
+    if (!std::isfinite(effort) || (peak.effort && std::abs(effort) <= std::abs(*peak.effort))) continue;
+    peak.effort = effort;
+    peak.t = sample.t;
+  }
+}
 
 std::string_view run_status_name(RunStatus status, bool interrupted) {
   switch (status) {
@@ -111,9 +155,9 @@ std::string write_summary_json(const RunDocument& document) {
   if (document.summary != nullptr) {
     add_summary(document, out);
   } else {
-    for (const char* key :
-         {"status", "message", "method", "t_reached", "steps", "rejected", "evaluations", "smallest_step_s",
-          "largest_step_s", "wall_time_s", "max_constraint_residual_m", "energy", "decisions", "notices", "joints"}) {
+    for (const char* key : {"status", "message", "method", "t_reached", "steps", "rejected", "evaluations",
+                            "smallest_step_s", "largest_step_s", "wall_time_s", "max_constraint_residual_m", "energy",
+                            "decisions", "notices", "drives", "joints"}) {
       out[key] = nullptr;
     }
   }
