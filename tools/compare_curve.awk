@@ -1,9 +1,9 @@
-# Compares a recorded point of a run with a published curve of it.
+# Compares a recorded point of a run with a reference curve of it.
 #
 #   awk -f tools/compare_curve.awk -v point=P3 expected.csv result.csv
 #
 # expected.csv has the columns t, x, y, z (s, m); result.csv has t, POINT.x, POINT.y, POINT.z among others. Lines that
-# begin with '#' are comments. Each published time must be in the result (within 1e-9 s). Prints the largest distance
+# begin with '#' are comments. Each reference time must be in the result (within 1e-9 s). Prints the largest distance
 # between the curves in metres; with -v limit=1e-4, exit 1 when it is larger.
 
 BEGIN { FS = "," }
@@ -49,10 +49,10 @@ FNR == NR {
 END {
   if (bad) exit bad
   if (!count || matched < count) {
-    printf "compare_curve: %d of %d published points are in the result\n", matched, count > "/dev/stderr"
+    printf "compare_curve: %d of %d reference points are in the result\n", matched, count > "/dev/stderr"
     exit 3
   }
-  printf "  %d published points; largest distance of %s: %.3g m, at t = %g s\n", count, point, largest, at
+  printf "  %d reference points; largest distance of %s: %.3g m, at t = %g s\n", count, point, largest, at
   if (limit != "" && !(largest <= limit + 0)) {
     printf "  larger than the limit %g m\n", limit
     exit 1
