@@ -17,8 +17,8 @@ std::string certainty_text(const RedundancyReport& report, const Style& style) {
   const auto& values = decision.singular_values;
   if (report.closure_rows == 0) return "   There is no closed loop, so nothing can be redundant.\n";
   std::string text;
-  const std::string size =
-      fmt::format("of the loops' {} equations for {} coordinates", report.closure_rows, report.closure_coordinates);
+  const std::string size = fmt::format("of the loops' {} for {}", counted(report.closure_rows, "equation"),
+                                       counted(report.closure_coordinates, "coordinate"));
   if (decision.full) {
     text = fmt::format("all singular values {} are away from zero", size);
     if (values.size() > 0) text += fmt::format(", the smallest is {}", rough(values[values.size() - 1]));
