@@ -4,6 +4,7 @@
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <pty.h>
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -333,6 +334,42 @@ TEST_F(CommandTest, WithoutATerminalThereIsNoColourAndNoBar) {
   std::this_thread::sleep_for(std::chrono::milliseconds(900));
   kill(child, SIGINT);
   EXPECT_THAT(wait_for(child).errors, Not(HasSubstr("\r")));
+}
+
+/// What the command shows on a terminal, with NO_COLOR set to `no_color` (null: not set).
+std::string shown_on_terminal(const std::vector<std::string>& arguments, const char* no_color) {
+  int terminal = -1;
+  const pid_t child = forkpty(&terminal, nullptr, nullptr, nullptr);
+  if (child == 0) {
+    setenv("TERM", "xterm", 1);
+    unsetenv("NO_COLOR");
+    if (no_color != nullptr) setenv("NO_COLOR", no_color, 1);
+    std::vector<std::string> words = {FERRERS_COMMAND};
+    words.insert(words.end(), arguments.begin(), arguments.end());
+    std::vector<char*> pointers;
+    for (std::string& word : words) pointers.push_back(word.data());
+    pointers.push_back(nullptr);
+    execv(pointers[0], pointers.data());
+    _exit(127);
+  }
+  std::string text;
+  char buffer[4096];
+  for (ssize_t got = 0; (got = read(terminal, buffer, sizeof buffer)) > 0;)
+    text.append(buffer, static_cast<std::size_t>(got));
+  close(terminal);
+  waitpid(child, nullptr, 0);
+  return text;
+}
+
+TEST_F(CommandTest, ATerminalHasColoursUnlessNoColorIsSet) {
+  const std::string wrong = write("wrong.yaml", kWrongModel).string();
+  for (const std::string& model : {bricard(), wrong}) {
+    EXPECT_THAT(shown_on_terminal({"analyze", model}, nullptr), HasSubstr("\033["));
+    EXPECT_THAT(shown_on_terminal({"analyze", model}, ""), HasSubstr("\033["));  // empty counts as not set
+    const std::string plain = shown_on_terminal({"analyze", model}, "1");
+    EXPECT_THAT(plain, Not(HasSubstr("\033")));
+    EXPECT_THAT(plain, Not(IsEmpty()));
+  }
 }
 
 TEST_F(CommandTest, ARunTellsItsFolderAndFillsIt) {
