@@ -33,12 +33,12 @@ void set_rotation(const Model& model, const Node& node, const Joint* joint, cons
   double* v = state.v.data() + node.v;
   const double turns[] = {turn.w(), turn.x(), turn.y(), turn.z()};
   std::copy(turns, turns + 4, q + node.type->quaternion_at);
-  const Vector3d spin =
-      to_F * (absolute.twists[second.index()].head<3>() - absolute.twists[first.index()].head<3>());
+  const Vector3d spin = to_F * (absolute.twists[second.index()].head<3>() - absolute.twists[first.index()].head<3>());
   std::copy(spin.data(), spin.data() + 3, v);
   if (node.nv < 6) return;
   const Vector3d place = to_F * (X_WM.p - X_WF.p);
-  const Vector3d rate = to_F * (velocity_of(model, absolute, second, X_WM.p) - velocity_of(model, absolute, first, X_WM.p));
+  const Vector3d rate =
+      to_F * (velocity_of(model, absolute, second, X_WM.p) - velocity_of(model, absolute, first, X_WM.p));
   std::copy(place.data(), place.data() + 3, q);
   std::copy(rate.data(), rate.data() + 3, v + 3);
 }
