@@ -62,7 +62,8 @@ TEST_P(TreeMotionTest, TwistsAreTheRatesOfThePoses) {
     const auto p = [&](double t) { return c.at(t).pos.nodes[i].p; };
     const auto R = [&](double t) { return c.at(t).pos.nodes[i].R; };
     EXPECT_TRUE(matrices_near(now.vel.nodes[i].v, differentiate(p, 0.0, 2e-3), 1e-10));
-    EXPECT_TRUE(matrices_near(cross_matrix(now.vel.nodes[i].w) * now.pos.nodes[i].R, differentiate(R, 0.0, 2e-3), 1e-10));
+    EXPECT_TRUE(
+        matrices_near(cross_matrix(now.vel.nodes[i].w) * now.pos.nodes[i].R, differentiate(R, 0.0, 2e-3), 1e-10));
   }
 }
 

@@ -185,7 +185,7 @@ TEST_P(RankSpectrumTest, LeastNormSolutionsAreThePseudoinverse) {
   const LeastNormResult result = solve_least_norm(A, b);
   EXPECT_EQ(result.decision.rank, rank);
   const VectorXd residual = A * result.x - b;
-  EXPECT_LT((A.transpose() * residual).norm(), 1e-12);                          // least squares
+  EXPECT_LT((A.transpose() * residual).norm(), 1e-12);                           // least squares
   EXPECT_LT((analyze_rank(A).right_null.transpose() * result.x).norm(), 1e-12);  // least norm
   EXPECT_NEAR(result.residual, residual.norm(), 1e-12);
 }

@@ -10,8 +10,8 @@
 #include "ferrers/testing/random_source.h"
 #include "ferrers/testing/zoo_parts.h"
 
-/// Mechanisms that hold every joint type in the tree, for tests of kinematics: two chains of tree joints from ground, one
-/// `closing` joint of any type between their ends, cut.
+/// Mechanisms that hold every joint type in the tree, for tests of kinematics: two chains of tree joints from ground,
+/// one `closing` joint of any type between their ends, cut.
 namespace ferrers::witness {
 
 inline constexpr JointType kTreeTypes[] = {JointType::kWeld,      JointType::kRevolute,    JointType::kPrismatic,
