@@ -1,6 +1,8 @@
 #include "ferrers/kinematics/projection.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace ferrers {
 
@@ -9,12 +11,11 @@ Projector::Projector(const System& system, const Scaling& scaling, std::vector<i
       rows_(std::move(rows)),
       length_m_(scaling.length_m),
       row_scale_(static_cast<long>(rows_.size())),
-      G_transposed_(system.nv, static_cast<long>(rows_.size())),
       X_(system.nv, static_cast<long>(rows_.size())),
-      A_(static_cast<long>(rows_.size()), static_cast<long>(rows_.size())),
       rhs_(static_cast<long>(rows_.size())),
       correction_(system.nv),
-      llt_(static_cast<long>(rows_.size())) {
+      work_(1),
+      qr_(system.nv, static_cast<long>(rows_.size())) {
   for (std::size_t i = 0; i < rows_.size(); ++i) row_scale_[static_cast<long>(i)] = scaling.rows[rows_[i]];
 }
 
@@ -27,37 +28,51 @@ double Projector::size(const VectorXd& residual) const {
   return largest;
 }
 
-// correction = −W⁻¹ Gᵀ (G W⁻¹ Gᵀ)⁻¹ residual, with X = L⁻¹ Gᵀ.
 void Projector::correct(const Eigen::LLT<MatrixXd>& metric, const RowMatrixXd& G, const VectorXd& residual) {
-  for (std::size_t i = 0; i < rows_.size(); ++i) {
-    X_.col(static_cast<long>(i)) = G.row(rows_[i]).transpose();
-    rhs_[static_cast<long>(i)] = -residual[rows_[i]];
+  const long r = static_cast<long>(rows_.size());
+  for (long i = 0; i < r; ++i) {
+    X_.col(i) = G.row(rows_[static_cast<std::size_t>(i)]).transpose();
+    rhs_[i] = -residual[rows_[static_cast<std::size_t>(i)]];
   }
   metric.matrixL().solveInPlace(X_);
-  A_.noalias() = X_.transpose() * X_;
-  llt_.compute(A_);
-  llt_.solveInPlace(rhs_);
-  correction_.noalias() = X_ * rhs_;
+  qr_.compute(X_);
+  qr_.matrixQR().topLeftCorner(r, r).triangularView<Eigen::Upper>().transpose().solveInPlace(rhs_);
+  correction_.setZero();
+  correction_.head(r) = rhs_;
+  qr_.householderQ().applyThisOnTheLeft(correction_, work_);
   metric.matrixU().solveInPlace(correction_);
+}
+
+Projector::Rounding Projector::rounding(const PositionKinematics& pos, const VelocityKinematics& vel) const {
+  constexpr double kUnits = 2 * std::numeric_limits<double>::epsilon();
+  double place = 0, speed = 0, turn = 0;
+  for (std::size_t i = 1; i < pos.nodes.size(); ++i) {
+    place = std::max(place, pos.nodes[i].p.squaredNorm());
+    speed = std::max(speed, vel.nodes[i].v.squaredNorm());
+    turn = std::max(turn, vel.nodes[i].w.squaredNorm());
+  }
+  return {kUnits * std::max(length_m_, std::sqrt(place)), kUnits * (std::sqrt(speed) + length_m_ * std::sqrt(turn))};
 }
 
 double Projector::project(const Eigen::LLT<MatrixXd>& metric, State& state, PositionKinematics& pos,
                           VelocityKinematics& vel, ConstraintKinematics& constraints) {
   normalize_quaternions(system_, state.q);
-  const double enough = 1e-15 * length_m_;
+  if (rows_.empty()) return 0;
   double before = INFINITY, now = 0;
+  Rounding enough{};
   for (int i = 0; i < 8; ++i) {
     compute_positions(system_, state.q, pos);
     compute_velocities(system_, pos, state.q, state.v, vel);
     compute_constraints(system_, state, pos, vel, constraints);
     now = size(constraints.phi);
     if (!std::isfinite(now)) return INFINITY;
-    if (now <= enough || (i > 0 && now < 1e-12 * length_m_) || (now < 1e-13 * length_m_ && now > 0.5 * before)) break;
+    enough = rounding(pos, vel);
+    if (now <= enough.position || (i > 1 && now > 0.5 * before)) break;
     before = now;
     correct(metric, constraints.G, constraints.phi);
     displace(system_, correction_, state.q);
   }
-  if (rows_.empty()) return 0;
+  if (size(constraints.rate) <= enough.velocity) return now;
   correct(metric, constraints.G, constraints.rate);
   state.v += correction_;
   return now;

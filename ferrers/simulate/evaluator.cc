@@ -44,12 +44,11 @@ void Evaluator::decide(const State& state, const std::string& reason, RunSummary
 }
 
 ForwardStatus Evaluator::choose_again(const State& state, RunSummary& summary) {
-  const double before = solver_->smallest_pivot();
   const Selection previous = selection_;
   const double healthy = healthy_pivot_;
   use(reselect(system(), scaling_, eq_.constraints, previous));
   ForwardStatus status = evaluate(state);
-  if (status == ForwardStatus::kSolved && solver_->smallest_pivot() > 10 * before) {
+  if (status == ForwardStatus::kSolved && !is_worn_pivot(solver_->smallest_pivot(), best_pivot_)) {
     record(state.t, "the coordinates chosen before became ill-conditioned", summary);
     return status;
   }

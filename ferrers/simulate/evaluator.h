@@ -21,7 +21,7 @@ class Evaluator {
 
   /// Decides at `state` and records it.
   void decide(const State& state, const std::string& reason, RunSummary& summary);
-  /// Chooses rows and coordinates anew with the rank kept, where that gives clearly better pivots; records it then.
+  /// Chooses rows and coordinates anew with the rank kept, where that gives healthy pivots again; records it then.
   /// The accelerations at `state` are evaluated afterwards either way.
   ForwardStatus choose_again(const State& state, RunSummary& summary);
 
@@ -31,6 +31,11 @@ class Evaluator {
   bool is_worn() const;
   /// Smallest pivot of the evaluations since `reset_watch`, over the best one known: how much rounding is amplified.
   double smallest_pivot_ratio() const { return best_pivot_ > 0 ? smallest_pivot_ / best_pivot_ : 1; }
+  /// Remembers the residual of the last evaluation as that of the step about to be taken.
+  void note_residual() { residual_ = left_out_residual(); }
+  double residual_at_step() const { return residual_; }
+  double pivot() const { return solver_->smallest_pivot(); }  ///< At the last evaluation.
+  double best_pivot() const { return best_pivot_; }
   void reset_watch() { smallest_pivot_ = std::numeric_limits<double>::infinity(); }
   double left_out_residual() const;  ///< Largest scaled residual of all rows at the last evaluation, m.
 
@@ -61,6 +66,7 @@ class Evaluator {
   double healthy_pivot_ = 0, best_pivot_ = 0;  ///< When rows and coordinates were chosen; the largest of those.
   double smallest_pivot_ = std::numeric_limits<double>::infinity();
   bool pivot_known_ = false;
+  double residual_ = 0;
   long evaluations_ = 0;
 };
 

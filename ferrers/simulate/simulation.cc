@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "ferrers/core/checks.h"
+#include "ferrers/simulate/step_control.h"
 #include "ferrers/simulate/stepper.h"
 
 namespace ferrers {
@@ -31,7 +32,8 @@ class Run {
         options_(options),
         control_(control),
         evaluator_(model_, options.formulation),
-        recorder_(model_, options.axes) {}
+        recorder_(model_, options.axes),
+        control_steps_(options.tolerance.value_or(kDefaultTolerance), std::max(options.grid.t_end, options.grid.every)) {}
 
   RunSummary go() {
     const auto begin = std::chrono::steady_clock::now();
@@ -56,7 +58,8 @@ class Run {
       return fail(RunStatus::kInconsistentVelocities, initial.message);
     }
     state_ = initial.state;
-    next_ = state_;
+    next_ = sample_state_ = state_;
+    sample_vdot_ = VectorXd::Zero(system().nv);
     choose_method();
     for (const DriveComponent& drive : model_->drives) {
       if (!drive.effort) summary_.notices.push_back("drive '" + drive.name + "' has no effort law: it does not act");
@@ -71,14 +74,13 @@ class Run {
   void choose_method() {
     summary_.method = std::string(to_string(options_.integrator));
     adaptive_ = options_.integrator == Integrator::kRungeKutta4 && !options_.step;
-    tolerance_ = options_.tolerance.value_or(kDefaultTolerance);
     if (options_.integrator == Integrator::kConstantAcceleration) {
       stepper_ = make_constant_acceleration(evaluator_);
     } else {
       stepper_ = adaptive_ ? make_runge_kutta_doubling(evaluator_) : make_runge_kutta_4(evaluator_);
     }
     if (adaptive_) {
-      summary_.method += ", step doubling, tolerance " + number(tolerance_);
+      summary_.method += ", step doubling, tolerance " + number(options_.tolerance.value_or(kDefaultTolerance));
     } else {
       step_ = options_.step.value_or(options_.grid.every / 10);
       summary_.method += ", fixed step " + number(step_) + " s";
@@ -100,110 +102,85 @@ class Run {
     return fail(RunStatus::kStepTooSmall, "accelerations cannot be computed at t = " + number(state_.t) + " s");
   }
 
-  void emit() {
+  void emit() { record(state_, evaluator_.result().vdot, true); }
+
+  // `solved`: the last evaluation was at this state and gave multipliers.
+  void record(const State& state, const VectorXd& vdot, bool solved) {
     const RunSample& sample =
-        recorder_.record(state_, evaluator_.equations(), evaluator_.selection(), evaluator_.result().vdot,
-                         evaluator_.result().lambda, evaluator_.equations().u, options_.with_reactions);
+        recorder_.record(state, evaluator_.equations(), evaluator_.selection(), vdot, evaluator_.result().lambda,
+                         evaluator_.equations().u, options_.with_reactions && solved);
     energy_ = sample.energy;
     summary_.energy_end = energy_;
     summary_.energy_min = std::min(summary_.energy_min, energy_);
     summary_.energy_max = std::max(summary_.energy_max, energy_);
     summary_.max_constraint_residual = std::max(summary_.max_constraint_residual, sample.constraint_residual);
-    summary_.t_reached = state_.t;
+    summary_.t_reached = state.t;
     if (control_.on_sample) control_.on_sample(sample);
   }
 
   void march() {
     const std::vector<double> times = options_.grid.times();
-    for (std::size_t i = 1; i < times.size(); ++i) {
-      if (!advance_to(times[i])) return;
-      state_.t = times[i];
-      emit();
+    std::size_t due = 1;  // next output
+    while (due < times.size()) {
+      if (!(adaptive_ ? take_adaptive_step(times) : take_fixed_steps(times[due]))) return;
+      for (; due < times.size() && times[due] <= state_.t; ++due) {
+        if (!emit_at(times[due])) return;
+      }
       if (control_.on_progress) control_.on_progress(state_.t);
       if (control_.stop && control_.stop->load(std::memory_order_relaxed)) {
-        fail(RunStatus::kStopped, "interrupted at t = " + number(state_.t) + " s");
+        fail(RunStatus::kStopped, "interrupted at t = " + number(summary_.t_reached) + " s");
         return;
       }
     }
   }
 
-  // Steps until `t`, landing on it. The state and its accelerations are then known.
-  bool advance_to(double t) {
-    const double from = state_.t;
-    if (!adaptive_) {
-      const long count = std::max(1L, std::lround(std::ceil((t - from) / step_ * (1 - 1e-9))));
-      for (long i = 1; i <= count; ++i) {
-        const double end = i == count ? t : from + (t - from) * static_cast<double>(i) / static_cast<double>(count);
-        if (!take_step(end - state_.t)) return false;
-        state_.t = end;
-      }
+  // Outputs between steps are interpolated, so that the steps need not know the grid.
+  bool emit_at(double t) {
+    if (t >= state_.t) {
+      emit();
       return true;
     }
-    while (state_.t < t) {
-      const double left = t - state_.t;
-      if (step_ <= 0) step_ = std::min(left, 0.01 / fastest_rate());
-      const double h = step_ >= left ? left : (2 * step_ > left ? 0.5 * left : step_);
-      if (!take_step(h)) return false;
-      if (t - state_.t < 1e-12 * std::max(left, h)) state_.t = t;
+    between_.evaluate(system(), t, sample_state_, sample_vdot_);
+    const bool solved_there = evaluator_.evaluate(sample_state_) == ForwardStatus::kSolved;
+    record(sample_state_, control_crossing_ ? sample_vdot_ : evaluator_.result().vdot, solved_there);
+    return evaluate(state_);
+  }
+
+  // Steps of equal length that land on `t`.
+  bool take_fixed_steps(double t) {
+    const double from = state_.t;
+    const long count = std::max(1L, std::lround(std::ceil((t - from) / step_ * (1 - 1e-9))));
+    for (long i = 1; i <= count; ++i) {
+      const double end = i == count ? t : from + (t - from) * static_cast<double>(i) / static_cast<double>(count);
+      if (!stepper_->step(evaluator_, state_, end - state_.t, next_).finite) return stuck();
+      next_.t = end;
+      if (!accept()) return false;
     }
     return true;
   }
 
-  // The fastest rate or square root of an acceleration, 1/s.
-  double fastest_rate() const {
-    double rate = 0, curvature = 0;
-    const VectorXd& vdot = evaluator_.result().vdot;
-    for (int k = 0; k < system().nv; ++k) {
-      const double unit = evaluator_.scaling().columns[k] * evaluator_.scaling().length_m;
-      rate = std::max(rate, std::abs(state_.v[k]) / unit);
-      curvature = std::max(curvature, std::abs(vdot[k]) / unit);
-    }
-    return std::max({rate, std::sqrt(curvature), 1e-3 / options_.grid.every});
+  bool take_adaptive_step(const std::vector<double>& times) {
+    between_.from = state_;
+    between_.from_vdot = evaluator_.result().vdot;
+    if (!control_steps_.step(evaluator_, *stepper_, state_, times.back(), summary_, next_)) return stuck();
+    control_crossing_ = control_steps_.crossing();
+    if (times.back() - next_.t < 1e-13 * std::abs(times.back()) && next_.t < times.back()) next_.t = times.back();
+    if (!accept()) return false;
+    between_.to = state_;
+    between_.to_vdot = evaluator_.result().vdot;
+    return true;
   }
 
-  bool take_step(double h) {
-    if (!(adaptive_ ? step_with_control(h) : stepper_->step(evaluator_, state_, h, next_).finite)) return stuck(h);
-    ++summary_.steps;
-    summary_.largest_step = std::max(summary_.largest_step, h);
-    summary_.smallest_step = summary_.smallest_step > 0 ? std::min(summary_.smallest_step, h) : h;
-    return accept();
-  }
-
-  // Repeats the step with smaller `h` until its error is allowed; proposes the next one.
-  bool step_with_control(double& h) {
-    const double fastest = fastest_rate(), shortest = 1e-12 * std::min(options_.grid.every, 1 / fastest);
-    while (true) {
-      evaluator_.reset_watch();
-      const Stepper::Outcome outcome = stepper_->step(evaluator_, state_, h, next_);
-      const double allowed = std::max(allowed_error(h, fastest), rounding_error(h, fastest));
-      const double change = outcome.error > 0 ? 0.9 * std::pow(allowed / outcome.error, 0.25) : 4.0;
-      if (outcome.finite && outcome.error <= allowed) {
-        const double proposed = h * std::clamp(change, 0.2, 4.0);
-        if (h >= 0.999 * step_ || proposed < step_) step_ = proposed;
-        return true;
-      }
-      ++summary_.rejected_steps;
-      h *= outcome.finite ? std::clamp(change, 0.1, 0.7) : 0.25;
-      step_ = h;
-      if (h < shortest || !evaluate(state_)) return false;
-    }
-  }
-
-  // Error per unit of motion: a step may err by the tolerance times how far things move in it.
-  double allowed_error(double h, double fastest) const { return tolerance_ * std::clamp(h * fastest, 1e-3, 1.0); }
-
-  // Near a singular pose rounding is amplified by the small pivots; no smaller step would be more accurate.
-  double rounding_error(double h, double fastest) const {
-    const double amplified = 1e-15 * system().nv / std::max(evaluator_.smallest_pivot_ratio(), 1e-9);
-    return std::min(h * fastest, 1.0) * amplified;
-  }
-
-  bool stuck(double h) {
-    return fail(RunStatus::kStepTooSmall, "no step down to " + number(h) + " s keeps the error at t = " +
-                                              number(state_.t) + " s: a singular pose, or forces that are not smooth");
+  bool stuck() {
+    return fail(RunStatus::kStepTooSmall, "no step keeps the error at t = " + number(state_.t) +
+                                              " s: a singular pose, or forces that are not smooth");
   }
 
   bool accept() {
+    const double h = next_.t - state_.t;
+    ++summary_.steps;
+    summary_.largest_step = std::max(summary_.largest_step, h);
+    summary_.smallest_step = summary_.smallest_step > 0 ? std::min(summary_.smallest_step, h) : h;
     std::swap(state_, next_);
     if (!evaluate(state_)) return false;
     accept_winding(system(), evaluator_.equations().pos, state_);
@@ -228,7 +205,13 @@ class Run {
   RunSummary summary_;
   State state_, next_;
   bool adaptive_ = false;
-  double tolerance_ = 0, step_ = 0, energy_ = 0;
+  double energy_ = 0;
+  double step_ = 0;  // fixed steps
+  StepControl control_steps_;
+  bool control_crossing_ = false;
+  Hermite between_;
+  State sample_state_;
+  VectorXd sample_vdot_;
 };
 
 }  // namespace

@@ -1,0 +1,236 @@
+#include "ferrers/simulate/simulation.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "ferrers/testing/finite_difference.h"
+#include "ferrers/testing/run_probe.h"
+#include "ferrers/testing/zoo.h"
+#include "ferrers/testing/zoo_parts.h"
+
+namespace ferrers::witness {
+namespace {
+
+// --- Orders of convergence, on closed forms ---
+
+/// Error of the pendulum's bob at t = 1 (elliptic functions, see benchmarks_test.cc) with fixed steps.
+double pendulum_error(Integrator integrator, double step) {
+  SimulationOptions options = plain_run(1, 1);
+  options.integrator = integrator;
+  options.step = step;
+  const ProbedRun run = probe_run(make_pendulum(), options);
+  EXPECT_EQ(run.summary.status, RunStatus::kFinished) << run.summary.message;
+  EXPECT_EQ(run.summary.steps, std::lround(1 / step));
+  return (run.point(1, "P") - Vector3d(-0.9862917511318753, -0.1650108531255412, 0)).norm();
+}
+
+/// Error of the Bricard loop at t = 0.5 against its converged integration.
+double bricard_error(Integrator integrator, double step) {
+  SimulationOptions options = plain_run(0.5, 0.5);
+  options.integrator = integrator;
+  options.step = step;
+  const ProbedRun run = probe_run(make_bricard(BricardRods::kBricks), options);
+  EXPECT_EQ(run.summary.status, RunStatus::kFinished) << run.summary.message;
+  return (run.point(0.5, "P3") - Vector3d(0.774717808039, -0.979815047656, -0.199906158953)).norm();
+}
+
+TEST(SimulationTest, RungeKuttaIsOfFourthOrder) {
+  const double coarse = pendulum_error(Integrator::kRungeKutta4, 0.01);
+  const double fine = pendulum_error(Integrator::kRungeKutta4, 0.005);
+  EXPECT_GT(observed_order(coarse, fine), 3.8);
+  EXPECT_LT(observed_order(coarse, fine), 4.3);
+  const double loop_coarse = bricard_error(Integrator::kRungeKutta4, 0.025);
+  const double loop_fine = bricard_error(Integrator::kRungeKutta4, 0.0125);
+  EXPECT_GT(observed_order(loop_coarse, loop_fine), 3.8);
+  EXPECT_LT(observed_order(loop_coarse, loop_fine), 4.3);
+}
+
+TEST(SimulationTest, ConstantAccelerationsAreOfFirstOrder) {
+  for (const auto& error : {pendulum_error, bricard_error}) {
+    const double coarse = error(Integrator::kConstantAcceleration, 1e-3);
+    const double fine = error(Integrator::kConstantAcceleration, 5e-4);
+    EXPECT_GT(observed_order(coarse, fine), 0.9);
+    EXPECT_LT(observed_order(coarse, fine), 1.1);
+  }
+}
+
+/// Error of the pendulum's angular velocity after one step h from 60 degrees below the horizontal.
+TEST(SimulationTest, OneStepOfConstantAccelerationIsThePapersFormula) {
+  SimulationOptions options = plain_run(0.01, 0.01);
+  options.integrator = Integrator::kConstantAcceleration;
+  options.step = 0.01;
+  const ProbedRun run = probe_run(make_pendulum(), options);
+  // From the horizontal at rest: acceleration −g/l; q' = q + v h + vdot h²/2, v' = v + vdot h.
+  EXPECT_NEAR(run.at(0.01, "pivot.angle"), -9.81 * 0.01 * 0.01 / 2, 1e-16);
+  EXPECT_NEAR(run.at(0.01, "pivot.angle.velocity"), -9.81 * 0.01, 1e-15);
+}
+
+TEST(SimulationTest, ATighterToleranceIsMoreAccurate) {
+  const auto error = [](double tolerance) {
+    SimulationOptions options = plain_run(2, 2);
+    options.tolerance = tolerance;
+    const ProbedRun run = probe_run(make_bricard(BricardRods::kBricks), options);
+    return (run.point(2, "P3") - Vector3d(-0.778135373033, -0.980352683443, -0.197252670617)).norm();
+  };
+  const double loose = error(1e-5), tight = error(1e-9);
+  EXPECT_LT(tight, 1e-6);
+  EXPECT_LT(tight, 0.1 * loose);
+}
+
+TEST(SimulationTest, BothFormulationsRunTheSame) {
+  SimulationOptions options = plain_run(1, 0.25);
+  const ProbedRun a = probe_run(make_bricard(BricardRods::kBricks), options);
+  options.formulation = Formulation::kElimination;
+  const ProbedRun b = probe_run(make_bricard(BricardRods::kBricks), options);
+  for (const double t : {0.25, 0.5, 1.0}) EXPECT_LT((a.point(t, "P3") - b.point(t, "P3")).norm(), 1e-10) << t;
+}
+
+TEST(SimulationTest, RowsDoNotDependOnHowOftenTheyAreAsked) {
+  const ProbedRun coarse = probe_run(make_bricard(BricardRods::kBricks), plain_run(1, 0.5));
+  const ProbedRun fine = probe_run(make_bricard(BricardRods::kBricks), plain_run(1, 0.01));
+  for (const double t : {0.5, 1.0}) EXPECT_LT((coarse.point(t, "P3") - fine.point(t, "P3")).norm(), 1e-9) << t;
+  EXPECT_NEAR(coarse.at(0.5, "J1.angle.acceleration"), fine.at(0.5, "J1.angle.acceleration"), 1e-8);
+}
+
+// --- Output grid ---
+
+TEST(OutputGridTest, RowsAreMultiplesOfTheSpacingAndTheEnd) {
+  const std::vector<double> even = OutputGrid{1, 0.1}.times();
+  ASSERT_EQ(even.size(), 11u);
+  for (int k = 0; k <= 10; ++k) EXPECT_EQ(even[k], k * 0.1);
+  const std::vector<double> uneven = OutputGrid{1, 0.3}.times();
+  ASSERT_EQ(uneven.size(), 5u);
+  EXPECT_EQ(uneven[3], 3 * 0.3);
+  EXPECT_EQ(uneven[4], 1.0);
+}
+
+TEST(OutputGridTest, AnEndOnTheGridToRoundingGivesNoExtraRow) {
+  EXPECT_EQ((OutputGrid{0.3, 0.1}.times().size()), 4u);  // 0.3 / 0.1 is 2.9999999999999996
+  EXPECT_EQ((OutputGrid{0.3 + 2e-11, 0.1}.times().size()), 4u);
+  EXPECT_EQ((OutputGrid{0.3 + 1e-8, 0.1}.times().size()), 5u);
+}
+
+TEST(OutputGridTest, ARunOfNoTimeHasOneRow) {
+  EXPECT_EQ((OutputGrid{0, 0.1}.times()), std::vector<double>{0});
+  EXPECT_EQ((OutputGrid{0.05, 0.1}.times()), (std::vector<double>{0, 0.05}));
+}
+
+TEST(OutputGridTest, ASpacingMustBePositive) {
+  EXPECT_THROW((OutputGrid{1, 0}.times()), std::invalid_argument);
+  EXPECT_THROW((OutputGrid{-1, 0.1}.times()), std::invalid_argument);
+}
+
+TEST(SimulationTest, ARunShowsExactlyTheGridInOrder) {
+  const ProbedRun run = probe_run(make_pendulum(), plain_run(0.35, 0.1));
+  ASSERT_EQ(run.samples.size(), 5u);
+  for (std::size_t k = 0; k < 4; ++k) EXPECT_EQ(run.samples[k].t, static_cast<double>(k) * 0.1);
+  EXPECT_EQ(run.samples[4].t, 0.35);
+  for (const RunSample& sample : run.samples) EXPECT_EQ(sample.values.front(), sample.t);
+  EXPECT_EQ(run.summary.t_reached, 0.35);
+}
+
+// --- How a run ends ---
+
+TEST(SimulationTest, AStopFlagEndsTheRunWithWhatIsKnown) {
+  const EngineProbe engine(make_pendulum());
+  std::atomic<bool> stop{false};
+  int rows = 0;
+  RunControl control;
+  control.stop = &stop;
+  control.on_sample = [&](const RunSample&) {
+    if (++rows == 4) stop = true;
+  };
+  const RunSummary summary = simulate(engine.dynamics, plain_run(1000, 1), control);
+  EXPECT_EQ(summary.status, RunStatus::kStopped);
+  EXPECT_LT(summary.t_reached, 20);
+  EXPECT_GE(rows, 4);
+  EXPECT_FALSE(summary.message.empty());
+}
+
+TEST(SimulationTest, CoulombFrictionIsRefused) {
+  ModelSpec spec = make_pendulum();
+  FrictionSpec friction;
+  friction.coulomb = Number(0.1);
+  friction.radius = Number(0.01);
+  spec.joints[0].friction = friction;
+  const ProbedRun run = probe_run(spec, plain_run(1, 0.1));
+  EXPECT_EQ(run.summary.status, RunStatus::kUnsupported);
+  EXPECT_NE(run.summary.message.find("pivot"), std::string::npos) << run.summary.message;
+  EXPECT_TRUE(run.samples.empty());
+}
+
+TEST(SimulationTest, EventsAreRefused) {
+  ModelSpec spec = make_pendulum();
+  EventSpec event;
+  event.name = "enough";
+  event.when = *law("pivot.angle + 1").expression;
+  spec.events = {event};
+  const ProbedRun run = probe_run(spec, plain_run(1, 0.1));
+  EXPECT_EQ(run.summary.status, RunStatus::kUnsupported);
+  EXPECT_NE(run.summary.message.find("event"), std::string::npos) << run.summary.message;
+}
+
+TEST(SimulationTest, MasslessBodiesRunWhereOthersCarryThem) {
+  // The pendulum of mass 1 on two massless links that a third revolute holds in line would fold; a four-bar does not.
+  ModelSpec spec = make_driven_four_bar();
+  spec.drives.clear();
+  spec.bodies[1].mass = Number(0);
+  spec.bodies[1].inertia = InertiaSpec();
+  const ProbedRun run = probe_run(spec, plain_run(1, 0.1));
+  EXPECT_EQ(run.summary.status, RunStatus::kFinished) << run.summary.message;
+  EXPECT_LT(run.energy_drift(), 1e-8);
+  EXPECT_GT(std::abs(run.last("O.angle")), 0.1);
+}
+
+TEST(SimulationTest, AMotionThatMovesNoMassIsReported) {
+  ModelSpec spec = make_pendulum();
+  spec.bodies[0].mass = Number(0);
+  const ProbedRun run = probe_run(spec, plain_run(1, 0.1));
+  EXPECT_EQ(run.summary.status, RunStatus::kSingularMass);
+  EXPECT_NE(run.summary.message.find("mass"), std::string::npos);
+}
+
+TEST(SimulationTest, AnOpenLoopGivesNoRun) {
+  ModelSpec spec = make_driven_four_bar();
+  InitialSpec initial;
+  initial.joint = "O";
+  initial.position = {Number(std::numbers::pi)};  // the crank end is 5 m from the rocker's pivot: reach is 5.6 m
+  spec.initial = {initial};
+  InitialSpec other;
+  other.joint = "B";
+  other.position = {Number(1.5)};
+  spec.initial.push_back(other);
+  const ProbedRun run = probe_run(spec, plain_run(1, 0.1));
+  EXPECT_EQ(run.summary.status, RunStatus::kNotAssembled);
+  EXPECT_FALSE(run.summary.message.empty());
+  EXPECT_TRUE(run.samples.empty());
+}
+
+TEST(SimulationTest, ContradictingVelocitiesGiveNoRun) {
+  ModelSpec spec = make_four_bar(FourBarJoints::kRevolute);
+  spec.initial = {initial_velocity("O", 1), initial_velocity("C", 5)};
+  const ProbedRun run = probe_run(spec, plain_run(1, 0.1));
+  EXPECT_EQ(run.summary.status, RunStatus::kInconsistentVelocities);
+}
+
+// Fully extended, the Sarrus linkage has one constraint less than elsewhere: decisions taken there do not last.
+TEST(SimulationTest, ARedundancyThatOnlyTheStartingPoseHasEndsTheRun) {
+  for (const ModelSpec& spec : {make_sarrus(std::numbers::pi / 2), make_n_four_bar(1, std::numbers::pi / 2)}) {
+    const ProbedRun run = probe_run(spec, plain_run(5, 0.1));
+    EXPECT_EQ(run.summary.status, RunStatus::kRedundancyEnded) << spec.name << ": " << run.summary.message;
+    EXPECT_LT(run.summary.t_reached, 5) << spec.name;
+    EXPECT_FALSE(run.summary.message.empty());
+  }
+}
+
+TEST(SimulationTest, ADriveWithoutAnEffortLawIsNoticed) {
+  const ProbedRun run = probe_run(make_driven_four_bar(), plain_run(0.1, 0.1));
+  EXPECT_EQ(run.summary.status, RunStatus::kFinished);
+  ASSERT_FALSE(run.summary.notices.empty());
+  EXPECT_NE(run.summary.notices.front().find("motor"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace ferrers::witness

@@ -1,0 +1,135 @@
+#include "ferrers/simulate/step_control.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ferrers {
+namespace {
+
+constexpr double kLargestRounding = 1e-6;  // of the motion in a step: more than that is no rounding
+
+}  // namespace
+
+double StepControl::fastest_rate(const Evaluator& evaluator, const State& state) const {
+  double rate = 0, curvature = 0;
+  const VectorXd& vdot = evaluator.result().vdot;
+  for (int k = 0; k < evaluator.system().nv; ++k) {
+    const double unit = evaluator.scaling().columns[k] * evaluator.scaling().length_m;
+    rate = std::max(rate, std::abs(state.v[k]) / unit);
+    curvature = std::max(curvature, std::abs(vdot[k]) / unit);
+  }
+  return std::max({rate, std::sqrt(curvature), 1e-3 / longest_});
+}
+
+double StepControl::allowed_error(double h, double fastest) const {
+  return tolerance_ * std::clamp(h * fastest, 1e-3, 1.0);
+}
+
+// What rounding alone does with pivots down to `ratio` of healthy ones: a residual r of the loops leaves a position known
+// to r/ratio, and the constraint drives its acceleration to r/ratio³ while the pose is crossed.
+double StepControl::rounding_error(const Evaluator& evaluator, double h, double fastest) const {
+  const double ratio = std::max(evaluator.smallest_pivot_ratio(), 1e-9);
+  const double residual = evaluator.residual_at_step() / evaluator.scaling().length_m + 1e-16;
+  const double power = crossing_ ? ratio * ratio * ratio : ratio * ratio;
+  const double amplified = 1e-15 * evaluator.system().nv / ratio + residual / power;
+  return std::min(h * fastest, 1.0) * std::min(amplified, kLargestRounding);
+}
+
+// Time until the smallest pivot vanishes if it goes on as in the last step; infinity if it does not shrink.
+double StepControl::predicted_distance(const Evaluator& evaluator, const State& state) {
+  const double pivot = evaluator.pivot();
+  const double t = last_t_, before = last_pivot_;
+  last_t_ = state.t;
+  last_pivot_ = pivot;
+  const bool shrinking = before > 0 && pivot < before && pivot < 0.3 * evaluator.best_pivot() && state.t > t;
+  return shrinking ? pivot * (state.t - t) / (before - pivot) : INFINITY;
+}
+
+// The rule evaluates at quarters of the step: put the crossing in the middle of one of them, with the longest such step.
+double StepControl::fit_to_crossing(double h, double distance) {
+  if (distance > 1.5 * h) return h;
+  if (distance > 1.05 * h) return distance - 0.375 * h;  // land well before it
+  crossing_ = true;
+  for (const double fraction : {0.125, 0.375, 0.625, 0.875}) {
+    if (distance / fraction <= 1.05 * h) return distance / fraction;
+  }
+  return distance / 0.875;
+}
+
+bool StepControl::step(Evaluator& evaluator, Stepper& stepper, const State& state, double t_limit, RunSummary& summary,
+                       State& next) {
+  const double fastest = fastest_rate(evaluator, state);
+  const double shortest = 1e-12 * std::min(longest_, 1 / fastest);
+  if (next_ <= 0) next_ = std::min(longest_, 0.01 / fastest);
+  const double distance = predicted_distance(evaluator, state);
+  evaluator.note_residual();
+  while (true) {
+    crossing_ = false;
+    double h = fit_to_crossing(next_, distance);
+    const double left = t_limit - state.t;
+    if (!crossing_) h = h >= left ? left : (2 * h > left ? 0.5 * left : h);
+    evaluator.reset_watch();
+    const Stepper::Outcome outcome = stepper.step(evaluator, state, h, next);
+    const double allowed = allowed_error(h, fastest);
+    const double change = outcome.error > 0 ? 0.9 * std::pow(allowed / outcome.error, 0.25) : 4.0;
+    if (outcome.finite && outcome.error <= allowed) {
+      const double proposed = h * std::clamp(change, 0.2, 4.0);
+      if (h >= 0.999 * next_ || proposed < next_) next_ = std::min(proposed, longest_);
+      trusted_ = h;
+      return true;
+    }
+    // A step no longer than the last good one, whose error is not more than rounding.
+    if (outcome.finite && h <= 1.5 * trusted_ && outcome.error <= rounding_error(evaluator, h, fastest)) return true;
+    ++summary.rejected_steps;
+    next_ = h * (outcome.finite ? std::clamp(change, 0.1, 0.7) : 0.25);
+    if (next_ < shortest || evaluator.evaluate(state) != ForwardStatus::kSolved) return false;
+  }
+}
+
+void Hermite::evaluate(const System& system, double t, State& state, VectorXd& vdot) const {
+  const double h = to.t - from.t, s = (t - from.t) / h;
+  // p(s) with p, p', p'' given at 0 and 1, and its first two derivatives.
+  const auto blend = [&](double p0, double v0, double a0, double p1, double v1, double a1, double* out) {
+    const double c0 = p0, c1 = v0 * h, c2 = 0.5 * a0 * h * h;
+    const double d = p1 - c0 - c1 - c2, e = v1 * h - c1 - 2 * c2, f = a1 * h * h - 2 * c2;
+    const double c3 = 10 * d - 4 * e + 0.5 * f, c4 = -15 * d + 7 * e - f, c5 = 6 * d - 3 * e + 0.5 * f;
+    out[0] = c0 + s * (c1 + s * (c2 + s * (c3 + s * (c4 + s * c5))));
+    out[1] = (c1 + s * (2 * c2 + s * (3 * c3 + s * (4 * c4 + s * 5 * c5)))) / h;
+    out[2] = (2 * c2 + s * (6 * c3 + s * (12 * c4 + s * 20 * c5))) / (h * h);
+  };
+  state.t = t;
+  state.winding = from.winding;
+  VectorXd rate_0(system.nq), rate_1(system.nq);
+  compute_position_rates(system, from.q, from.v, rate_0);
+  compute_position_rates(system, to.q, to.v, rate_1);
+  double out[3];
+  for (const Node& node : system.nodes) {
+    if (node.nv == 0) continue;
+    const bool scalar = node.type->quaternion_at < 0;
+    for (int k = 0; k < node.nv; ++k) {
+      const int v = node.v + k;
+      if (scalar) {
+        const int q = node.q + k;
+        blend(from.q[q], from.v[v], from_vdot[v], to.q[q], to.v[v], to_vdot[v], out);
+        state.q[q] = out[0];
+        state.v[v] = out[1];
+        vdot[v] = out[2];
+        continue;
+      }
+      // Velocities and accelerations of a rotation: a cubic through v and vdot.
+      const double c2 = 3 * (to.v[v] - from.v[v]) - h * (2 * from_vdot[v] + to_vdot[v]);
+      const double c3 = -2 * (to.v[v] - from.v[v]) + h * (from_vdot[v] + to_vdot[v]);
+      state.v[v] = from.v[v] + s * (h * from_vdot[v] + s * (c2 + s * c3));
+      vdot[v] = from_vdot[v] + s * (2 * c2 + 3 * s * c3) / h;
+    }
+    for (int q = node.q; !scalar && q < node.q + node.nq; ++q) {
+      // Positions: a cubic through q and its rates, then normalized below.
+      const double c2 = 3 * (to.q[q] - from.q[q]) - h * (2 * rate_0[q] + rate_1[q]);
+      const double c3 = -2 * (to.q[q] - from.q[q]) + h * (rate_0[q] + rate_1[q]);
+      state.q[q] = from.q[q] + s * (h * rate_0[q] + s * (c2 + s * c3));
+    }
+  }
+  normalize_quaternions(system, state.q);
+}
+
+}  // namespace ferrers
