@@ -63,10 +63,40 @@ std::string sharing_text(const RedundancyReport& report, const Style& style) {
   return text + wrapped_list("   The motion is told by:", report.independent_coordinate_names, "      ");
 }
 
-std::string permanence_text(const RedundancyReport& report, const Style& style) {
+std::string permanence_text(const RedundancyReport& report, const PermanenceReport& permanence, const Style& style) {
   std::string text = heading(3, "Only in this pose, or always?", style);
-  if (report.redundant == 0) return text + "   Nothing is redundant in this pose.\n";
-  return text + "   Not analysed by this version: the counts above hold in the assembled pose.\n";
+  switch (permanence.kind) {
+    case Permanence::kNone:
+      text += "   Nothing is redundant in this pose.\n";
+      break;
+    case Permanence::kPermanent:
+      text += "   Permanent: the same redundancy";
+      break;
+    case Permanence::kConfiguration:
+      text += "   In this pose only: no redundancy";
+      break;
+    case Permanence::kMixed:
+      text += fmt::format("   Mixed: {} here, but only {}", report.redundant, *permanence.generic_redundant);
+      break;
+    case Permanence::kUnknown:
+      text += "   Not known: no other configuration could be reached.\n";
+      break;
+  }
+  const bool compared = permanence.kind != Permanence::kNone && permanence.kind != Permanence::kUnknown;
+  if (compared && permanence.configurations > 0) {
+    text += fmt::format(" at {}{}.\n", counted(permanence.configurations, "other configuration"),
+                        permanence.confident ? "" : ", some with a rank in doubt");
+  } else if (compared) {
+    text += " wherever it is: nothing moves.\n";
+  }
+  if (permanence.generic_mobility && *permanence.generic_mobility != report.mobility) {
+    text += fmt::format("   The mobility is {} here and {} at generic configurations: a singular pose.\n",
+                        report.mobility, *permanence.generic_mobility);
+  }
+  if (report.mobility > 0 && !permanence.finite_mobility) {
+    text += "   That the mechanism really moves from this pose is not established.\n";
+  }
+  return text;
 }
 
 std::string unique_names(const RedundancyReport& report, std::size_t index) {
@@ -106,14 +136,15 @@ std::string releases_text(const RedundancyReport& report, const Style& style) {
 
 }  // namespace
 
-std::string analysis_text(const Model& model, const RedundancyReport& report, const Style& style) {
+std::string analysis_text(const Model& model, const RedundancyReport& report, const PermanenceReport& permanence,
+                          const Style& style) {
   std::string text = fmt::format("{}: {}, {}", style.bold(model.name()), counted(report.bodies, "body"),
                                  counted(report.joints, "joint"));
   if (!model.couplings().empty()) text += ", " + counted(static_cast<long>(model.couplings().size()), "coupling");
   text += "\n";
   text += counts_text(report, style);
   text += sharing_text(report, style);
-  text += permanence_text(report, style);
+  text += permanence_text(report, permanence, style);
   text += reactions_text(model, report, style);
   text += releases_text(report, style);
   return text;

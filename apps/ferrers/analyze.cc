@@ -14,10 +14,12 @@ using namespace ferrers;  // NOLINT(google-build-using-namespace)
 
 namespace {
 
-void print_json(const LoadedModel& loaded, const RedundancyReport* result) {
+void print_json(const LoadedModel& loaded, const RedundancyReport* result,
+                const PermanenceReport* permanence = nullptr) {
   AnalysisDocument document;
   if (loaded.model) document.model = loaded.model->name();
   document.report = result;
+  document.permanence = permanence;
   document.diagnostics = &loaded.diagnostics;
   print(stdout, write_analysis_json(document));
 }
@@ -37,10 +39,11 @@ int analyze(const ModelOptions& options) {
     return kExitNotAssembled;
   }
   const RedundancyReport result = analyze_redundancy(*system, assembly.state);
+  const PermanenceReport permanence = analyze_permanence(*system, assembly.state, result);
   if (options.json) {
-    print_json(loaded, &result);
+    print_json(loaded, &result, &permanence);
   } else {
-    print(stdout, analysis_text(*loaded.model, result, Style(stdout)));
+    print(stdout, analysis_text(*loaded.model, result, permanence, Style(stdout)));
   }
   return kExitDone;
 }

@@ -61,7 +61,20 @@ OrderedJson self_stress_values(const RedundancyReport& report) {
   return all;
 }
 
-void add_report(const RedundancyReport& report, OrderedJson& out) {
+OrderedJson permanence_value(const PermanenceReport* permanence) {
+  if (!permanence) return nullptr;
+  const auto number = [](const std::optional<int>& value) { return value ? OrderedJson(*value) : OrderedJson(); };
+  OrderedJson out;
+  out["kind"] = to_string(permanence->kind);
+  out["generic_mobility"] = number(permanence->generic_mobility);
+  out["generic_redundant"] = number(permanence->generic_redundant);
+  out["configurations"] = permanence->configurations;
+  out["finite_mobility"] = number(permanence->finite_mobility);
+  out["confident"] = permanence->confident;
+  return out;
+}
+
+void add_report(const RedundancyReport& report, const PermanenceReport* permanence, OrderedJson& out) {
   out["bodies"] = report.bodies;
   out["joints"] = report.joints;
   out["constraint_rows"] = report.constraint_rows;
@@ -72,7 +85,7 @@ void add_report(const RedundancyReport& report, OrderedJson& out) {
   out["closure"] = {
       {"coordinates", report.closure_coordinates}, {"rows", report.closure_rows}, {"rank", report.closure_rank}};
   out["certainty"] = certainty_value(report);
-  out["permanence"] = nullptr;
+  out["permanence"] = permanence_value(permanence);
   out["consistent"] = true;  // a report exists for assembled poses only: every row vanishes
   out["inconsistency"] = report.inconsistency;
   out["excluded_rows"] = report.excluded_row_names;
@@ -141,7 +154,7 @@ std::string write_analysis_json(const AnalysisDocument& document) {
   out["model"] = document.model.empty() ? OrderedJson() : OrderedJson(document.model);
   out["ok"] = ok;
   if (document.report != nullptr) {
-    add_report(*document.report, out);
+    add_report(*document.report, document.permanence, out);
   } else {
     add_unknown_report(out);
   }

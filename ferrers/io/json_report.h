@@ -4,6 +4,7 @@
 
 #include "ferrers/core/diagnostics.h"
 #include "ferrers/redundancy/analysis.h"
+#include "ferrers/redundancy/permanence.h"
 
 namespace ferrers {
 
@@ -11,6 +12,7 @@ namespace ferrers {
 struct AnalysisDocument {
   std::string model;                         ///< Empty: not known, the file could not be read.
   const RedundancyReport* report = nullptr;  ///< Null: the model could not be read or assembled.
+  const PermanenceReport* permanence = nullptr;  ///< Null: not analysed.
   const Diagnostics* diagnostics = nullptr;
 };
 
