@@ -74,16 +74,21 @@ class RungeKuttaDoubling final : public Stepper {
     if (evaluator.evaluate(half_) != ForwardStatus::kSolved) return {false, 0};
     half_vdot_ = evaluator.result().vdot;
     if (!rule_.advance(evaluator, half_, half_vdot_, 0.5 * h, next)) return {false, 0};
-    const Outcome outcome{true, estimate(evaluator, next)};
+    double error = difference(evaluator, next, whole_) / 15;
     next.q += (next.q - whole_.q) / 15;
     next.v += (next.v - whole_.v) / 15;
     next.t = state.t + h;
-    return {std::isfinite(evaluator.project(next)) && std::isfinite(outcome.error), outcome.error};
+    // What the projection has to correct is error too: a large correction would be a jump to another motion.
+    whole_.q = next.q;
+    whole_.v = next.v;
+    if (!std::isfinite(evaluator.project(next))) return {false, 0};
+    error = std::max(error, difference(evaluator, next, whole_) / 15);
+    return {std::isfinite(error), error};
   }
 
  private:
   // Position error in rad or characteristic lengths; velocity error over the fastest rate seen.
-  double estimate(const Evaluator& evaluator, const State& next) {
+  double difference(const Evaluator& evaluator, const State& next, const State& other) {
     const System& system = evaluator.system();
     const Scaling& scaling = evaluator.scaling();
     double error = 0, v_error = 0, rate = 0, curvature = 0;
@@ -91,17 +96,17 @@ class RungeKuttaDoubling final : public Stepper {
       for (int k = 0; k < node.nq; ++k) {
         const bool length = node.nq == node.nv && scaling.columns[node.v + k] == 1 && scaling.length_m != 1;
         const double size = length ? scaling.length_m : 1;
-        error = std::max(error, std::abs(next.q[node.q + k] - whole_.q[node.q + k]) / size);
+        error = std::max(error, std::abs(next.q[node.q + k] - other.q[node.q + k]) / size);
       }
       for (int k = node.v; k < node.v + node.nv; ++k) {
         const double unit = scaling.columns[k] * scaling.length_m;
-        v_error = std::max(v_error, std::abs(next.v[k] - whole_.v[k]) / unit);
+        v_error = std::max(v_error, std::abs(next.v[k] - other.v[k]) / unit);
         rate = std::max(rate, std::abs(next.v[k]) / unit);
         curvature = std::max(curvature, std::abs(vdot_[k]) / unit);
       }
     }
     fastest_ = std::max({fastest_, rate, std::sqrt(curvature)});
-    return std::max(error, fastest_ > 0 ? v_error / fastest_ : 0.0) / 15;
+    return std::max(error, fastest_ > 0 ? v_error / fastest_ : 0.0);
   }
 
   RungeKutta rule_;
