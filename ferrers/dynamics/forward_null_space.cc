@@ -16,16 +16,14 @@ class NullSpaceSolver final : public ForwardSolver {
         r_(static_cast<int>(selection.rows.size())),
         w_(static_cast<int>(selection.independent.size())),
         G_d_(r_, r_),
-        G_i_(r_, w_),
-        gamma_(r_),
+        X_(r_, w_ + 1),
         N_(system.nv, w_),
         M_N_(system.nv, w_),
         reduced_(w_, w_),
         p_(VectorXd::Zero(system.nv)),
         residual_(system.nv),
         z_(w_),
-        dependent_(r_),
-        solved_(r_),
+        lambda_(r_),
         lu_(r_),
         llt_(w_) {
     N_.setZero();
@@ -33,15 +31,10 @@ class NullSpaceSolver final : public ForwardSolver {
   }
 
   void solve(const Equations& eq, ForwardResult& out) override {
-    gather(eq.constraints);
-    if (r_ > 0) {
-      lu_.compute(G_d_);
-      G_i_ = lu_.solve(G_i_);
-      solved_ = lu_.solve(gamma_);
-    }
+    if (r_ > 0) solve_dependent(eq.constraints);
     for (int i = 0; i < r_; ++i) {
-      N_.row(s_.dependent[i]) = -G_i_.row(i);
-      p_[s_.dependent[i]] = solved_[i];
+      for (int k = 0; k < w_; ++k) N_(s_.dependent[i], k) = -X_(i, k);
+      p_[s_.dependent[i]] = X_(i, w_);
     }
     out.status = ForwardStatus::kSolved;
     residual_ = eq.force;
@@ -61,32 +54,42 @@ class NullSpaceSolver final : public ForwardSolver {
       residual_.noalias() -= M_N_ * z_;
     }
     // residual_ = force − M vdot, which the constraint forces balance.
-    for (int i = 0; i < r_; ++i) dependent_[i] = -residual_[s_.dependent[i]];
-    if (r_ > 0) solved_ = lu_.transpose().solve(dependent_);
-    for (int i = 0; i < r_; ++i) out.lambda[s_.rows[i]] = solved_[i];
+    if (r_ > 0) solve_multipliers(out.lambda);
     if (!out.vdot.allFinite()) out.status = ForwardStatus::kWornSelection;
   }
 
-  double smallest_pivot() const override {
-    return r_ > 0 ? lu_.matrixLU().diagonal().cwiseAbs().minCoeff() : 1.0;
-  }
+  double smallest_pivot() const override { return r_ > 0 ? lu_.matrixLU().diagonal().cwiseAbs().minCoeff() : 1.0; }
 
  private:
-  void gather(const ConstraintKinematics& c) {
+  // X = G_d⁻¹ [G_i, gamma], with P G_d = L U; rows are permuted as they are gathered.
+  void solve_dependent(const ConstraintKinematics& c) {
     for (int i = 0; i < r_; ++i) {
-      const auto row = c.G.row(s_.rows[i]);
-      for (int k = 0; k < r_; ++k) G_d_(i, k) = row[s_.dependent[k]];
-      for (int k = 0; k < w_; ++k) G_i_(i, k) = row[s_.independent[k]];
-      gamma_[i] = c.gamma[s_.rows[i]];
+      for (int k = 0; k < r_; ++k) G_d_(i, k) = c.G(s_.rows[i], s_.dependent[k]);
     }
+    lu_.compute(G_d_);
+    const auto& place = lu_.permutationP().indices();
+    for (int i = 0; i < r_; ++i) {
+      for (int k = 0; k < w_; ++k) X_(place[i], k) = c.G(s_.rows[i], s_.independent[k]);
+      X_(place[i], w_) = c.gamma[s_.rows[i]];
+    }
+    lu_.matrixLU().triangularView<Eigen::UnitLower>().solveInPlace(X_);
+    lu_.matrixLU().triangularView<Eigen::Upper>().solveInPlace(X_);
+  }
+
+  // G_dᵀ lambda = −residual_d, with G_dᵀ = Uᵀ Lᵀ P.
+  void solve_multipliers(VectorXd& lambda) {
+    for (int i = 0; i < r_; ++i) lambda_[i] = -residual_[s_.dependent[i]];
+    lu_.matrixLU().triangularView<Eigen::Upper>().transpose().solveInPlace(lambda_);
+    lu_.matrixLU().triangularView<Eigen::UnitLower>().transpose().solveInPlace(lambda_);
+    const auto& place = lu_.permutationP().indices();
+    for (int i = 0; i < r_; ++i) lambda[s_.rows[i]] = lambda_[place[i]];
   }
 
   Selection s_;
   int r_, w_;
-  MatrixXd G_d_, G_i_;
-  VectorXd gamma_;
+  MatrixXd G_d_, X_;
   MatrixXd N_, M_N_, reduced_;
-  VectorXd p_, residual_, z_, dependent_, solved_;
+  VectorXd p_, residual_, z_, lambda_;
   Eigen::PartialPivLU<MatrixXd> lu_;
   Eigen::LLT<MatrixXd> llt_;
 };
