@@ -18,9 +18,10 @@ double gap_between(double upper, double lower) {
   return lower <= upper / kLargestGap ? kLargestGap : upper / lower;
 }
 
-// Both null spaces and the decomposition they come from.
-Eigen::BDCSVD<Eigen::MatrixXd> decompose(const Eigen::MatrixXd& A) {
-  return Eigen::BDCSVD<Eigen::MatrixXd>(A, Eigen::ComputeFullU | Eigen::ComputeFullV);
+// Both null spaces and the decomposition they come from. Not by divide and conquer: Eigen 3.4's BDCSVD returns wrong
+// singular values and vectors for some Jacobians with repeated singular values (errors of order one, not of rounding).
+Eigen::JacobiSVD<Eigen::MatrixXd> decompose(const Eigen::MatrixXd& A) {
+  return Eigen::JacobiSVD<Eigen::MatrixXd>(A, Eigen::ComputeFullU | Eigen::ComputeFullV);
 }
 
 }  // namespace
@@ -118,7 +119,7 @@ LeastNormResult solve_least_norm(const Eigen::MatrixXd& A, const Eigen::VectorXd
     out.residual = b.norm();
     return out;
   }
-  const Eigen::BDCSVD<Eigen::MatrixXd> svd(A, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(A, Eigen::ComputeThinU | Eigen::ComputeThinV);
   out.decision = decide_rank(svd.singularValues());
   const int r = out.decision.rank;
   out.x = svd.matrixV().leftCols(r) *

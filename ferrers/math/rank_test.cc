@@ -161,6 +161,38 @@ TEST_P(RankSpectrumTest, NullSpacesAndChoicesBelongToTheConstructedRank) {
   EXPECT_LT((A.transpose() * split.left_null).norm(), 1e-13);
 }
 
+// Jacobians of mechanisms repeat many singular values exactly; some decompositions go wrong on that.
+TEST_P(RankSpectrumTest, RepeatedSingularValuesAreFoundAndSpanTheRightSpaces) {
+  RandomSource random(300 + GetParam());
+  const int n = 16 + random.below(24), m = n + random.below(12), rank = n - random.below(6);
+  const double levels[] = {2, std::sqrt(2.0), 1, 1, 0.02};
+  VectorXd s = VectorXd::Zero(n);
+  for (int i = 0; i < rank; ++i) s[i] = levels[random.below(5)];
+  std::sort(s.data(), s.data() + n, std::greater<>());
+  const MatrixXd A = with_spectrum(random, m, n, s);
+  const RankAnalysis analysis = analyze_rank(A);
+  ASSERT_EQ(analysis.decision.rank, rank);
+  EXPECT_TRUE(matrices_near(analysis.decision.singular_values, s, 1e-13));
+  EXPECT_LT((A.transpose() * analysis.left_null).norm(), 1e-12);
+  EXPECT_LT((A * analysis.right_null).norm(), 1e-12);
+}
+
+// The loop Jacobian of a chain of links: entries 0 and ±1 in a few diagonals.
+TEST_P(RankSpectrumTest, SparseMatricesOfSmallIntegersHaveExactNullSpaces) {
+  RandomSource random(400 + GetParam());
+  const int n = 18 + random.below(15), m = n + 5;
+  MatrixXd A = MatrixXd::Zero(m, n);
+  for (int i = 0; i < m; ++i) {
+    for (int k = 0; k < 3; ++k) A(i, random.below(n)) = random.below(3) - 1;
+  }
+  for (int k = 0; k < 4; ++k) A.row(m - 1 - k) = A.row(k) - A.row(k + 4);
+  const RankAnalysis analysis = analyze_rank(A);
+  EXPECT_EQ(analysis.decision.rank, Eigen::FullPivLU<MatrixXd>(A).rank());
+  EXPECT_LT((A.transpose() * analysis.left_null).norm(), 1e-12);
+  EXPECT_LT((A * analysis.right_null).norm(), 1e-12);
+  EXPECT_NEAR(analysis.decision.singular_values.norm(), A.norm(), 1e-12 * A.norm());
+}
+
 TEST_P(RankSpectrumTest, ChosenRowsAndColumnsSpanEverything) {
   RandomSource random(100 + GetParam());
   const int m = 2 + random.below(10), n = 2 + random.below(10), rank = 1 + random.below(std::min(m, n));

@@ -184,7 +184,7 @@ ScaledSvd scaled_svd(const Model& model, const std::vector<Pose>& poses, const A
     s.V = Eigen::MatrixXd::Identity(A.cols(), A.cols());
     return s;
   }
-  const Eigen::BDCSVD<Eigen::MatrixXd> svd(A, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(A, Eigen::ComputeFullU | Eigen::ComputeFullV);
   s.values = svd.singularValues();
   s.U = svd.matrixU();
   s.V = svd.matrixV();
