@@ -391,6 +391,39 @@ TEST(InitialPositionTest, GuessesOnlyStartTheSearch) {
   EXPECT_GT(std::abs(position_of(*system, result.state, "O") - 0.5), 1e-6);
 }
 
+// Spherical joints are cut where others can carry the tree; their rotation must be met all the same.
+TEST(InitialPositionTest, ExactRotationsOfCutSphericalJointsAreMet) {
+  ModelSpec spec = witness::make_four_bar(witness::FourBarJoints::kSphericalCylindrical);
+  spec.initial = {exact_position(spec.joints[0].name.name, 0.4)};
+  const auto ball = std::find_if(spec.joints.begin(), spec.joints.end(),
+                                 [](const JointSpec& j) { return j.type == JointType::kSpherical; });
+  const auto turned = built(spec);
+  const JointId id = *turned->model->find_joint(ball->name.name);
+  ASSERT_GE(turned->topology->closure_of_joint[id.index()], 0);
+  const auto rotation = [&](const System& system, const State& state) {
+    PositionKinematics pos = make_position_kinematics(system);
+    compute_positions(system, state.q, pos);
+    const JointMotion m =
+        measure_joint(system, id, state, VectorXd::Zero(system.nv), pos, make_velocity_kinematics(system));
+    return std::array<double, 4>{m.q[0], m.q[1], m.q[2], m.q[3]};
+  };
+  const std::array<double, 4> wanted = rotation(*turned, assemble(*turned).state);
+  EXPECT_LT(wanted[0], 0.999);
+  InitialSpec exact;
+  exact.joint = ball->name.name;
+  exact.position = {Number(wanted[0]), Number(wanted[1]), Number(wanted[2]), Number(wanted[3])};
+  spec.initial = {exact};
+  const auto system = built(spec);
+  const AssemblyResult result = assemble(*system);
+  expect_closed(*system, result);
+  const std::array<double, 4> got = rotation(*system, result.state);
+  for (int i = 0; i < 4; ++i) EXPECT_NEAR(got[i], wanted[i], 1e-9);
+  exact.position = {Number(0), Number(1), Number(0), Number(0)};  // half a turn out of the plane
+  spec.initial = {exact};
+  const auto wrong = built(spec);
+  EXPECT_EQ(assemble(*wrong).status, AssemblyStatus::kInconsistentInitial);
+}
+
 // A hinge upside down satisfies its dot products, yet is no hinge.
 TEST(AssemblyTest, SolutionsWithReversedAxesAreRefused) {
   for (const JointType type :

@@ -39,6 +39,41 @@ void add_tree_targets(const Node& node, const InitialValue& initial, std::vector
   out.push_back(rotation);
 }
 
+// Spherical and free joints have no scalar coordinates: their pose is given as a whole.
+void add_cut_pose(const System& system, const InitialValue& initial, std::vector<InitialValues::CutPose>& out) {
+  const JointTypeInfo& type = joint_type_info(system.model->joint(initial.coordinate.joint).type);
+  if (!initial.whole_joint || type.quaternion_at < 0) return;
+  InitialValues::CutPose target;
+  target.cut = system.topology->closure_of_joint[initial.coordinate.joint.index()];
+  target.position = type.quaternion_at == 3;
+  const Eigen::Vector4d u = Eigen::Map<const Eigen::Vector4d>(initial.position.data() + type.quaternion_at).normalized();
+  target.X_FM.R = quaternion_matrix(u.data());
+  if (target.position) target.X_FM.p = Eigen::Map<const Vector3d>(initial.position.data());
+  out.push_back(target);
+}
+
+// What is missing to a cut joint's pose, along F's axes, with its rows: lengths, rotations times L. Returns the next row.
+int add_pose_rows(const System& system, const InitialValues::CutPose& target, double length,
+                  const PositionKinematics& pos, const VelocityKinematics& rest, int row, RowMatrixXd& A, VectorXd& b) {
+  const FramePair& frames = system.cuts[target.cut].frames;
+  const RelativeMotion m = compute_relative_motion(frames, pos, rest);
+  const Matrix3d R_FM = m.R_F.transpose() * m.R_M;
+  const Vector3d turn = rotation_log(target.X_FM.R * R_FM.transpose());
+  const Vector3d shift = target.X_FM.p - m.R_F.transpose() * m.d;
+  const double limit = 0.1 * length;
+  for (int i = 0; i < 3; ++i, ++row) {
+    Wrench W = Wrench::Zero();
+    W.head<3>() = m.R_F.col(i);
+    add_jet_row(system, frames, pos, W, length, A.row(row));
+    b[row] = std::clamp(length * turn[i], -limit, limit);
+  }
+  for (int i = 0; target.position && i < 3; ++i, ++row) {
+    add_jet_row(system, frames, pos, along_first(m, m.R_F.col(i)).W, 1, A.row(row));
+    b[row] = std::clamp(shift[i], -limit, limit);
+  }
+  return row;
+}
+
 }  // namespace
 
 InitialValues read_initial_values(const System& system) {
@@ -53,7 +88,10 @@ InitialValues read_initial_values(const System& system) {
     if (initial.guess) continue;  // a cut joint's coordinate cannot start a search in tree coordinates
     for (std::size_t i = 0; i < initial.position.size(); ++i) {
       const int index = initial.whole_joint ? static_cast<int>(i) : initial.coordinate.index;
-      if (joint_type_info(system.model->joint(initial.coordinate.joint).type).coordinate_jets == nullptr) break;
+      if (joint_type_info(system.model->joint(initial.coordinate.joint).type).coordinate_jets == nullptr) {
+        add_cut_pose(system, initial, values.cut_poses);
+        break;
+      }
       values.cut.push_back({system.access({initial.coordinate.joint, index}), initial.position[i]});
     }
   }
@@ -95,17 +133,19 @@ void InitialValues::apply_exact(const State& from, double fraction, State& state
 }
 
 bool InitialValues::meet_cut_targets(const System& system, const Scaling& scaling, State& state, int& iterations) const {
-  if (cut.empty()) return true;
+  if (cut.empty() && cut_poses.empty()) return true;
   PositionKinematics pos = make_position_kinematics(system);
   const VelocityKinematics rest = make_velocity_kinematics(system);
   ConstraintKinematics constraints = make_constraint_kinematics(system);
   const int m = system.m, k = static_cast<int>(cut.size());
+  int pose_rows = 0;
+  for (const CutPose& target : cut_poses) pose_rows += target.position ? 6 : 3;
   for (int i = 0; i < 200; ++i, ++iterations) {
     compute_positions(system, state.q, pos);
     accept_winding(system, pos, state);
     compute_constraints(system, state, pos, rest, constraints);
-    RowMatrixXd A = RowMatrixXd::Zero(m + k, system.nv);
-    VectorXd b(m + k);
+    RowMatrixXd A = RowMatrixXd::Zero(m + k + pose_rows, system.nv);
+    VectorXd b(m + k + pose_rows);
     A.topRows(m) = scaling.rows.asDiagonal() * constraints.G;
     b.head(m) = -constraints.phi.cwiseProduct(scaling.rows);
     for (int j = 0; j < k; ++j) {
@@ -114,6 +154,10 @@ bool InitialValues::meet_cut_targets(const System& system, const Scaling& scalin
       const double scale = cut[j].access.winding >= 0 ? scaling.length_m : 1.0;
       b[m + j] = scale * std::clamp(cut[j].value - jet.value, -0.1 / scale * scaling.length_m, 0.1 / scale * scaling.length_m);
       A.row(m + j) *= scale;
+    }
+    int row = m + k;
+    for (const CutPose& target : cut_poses) {
+      row = add_pose_rows(system, target, scaling.length_m, pos, rest, row, A, b);
     }
     if (b.cwiseAbs().maxCoeff() <= 1e-3 * closed_tolerance(scaling)) return true;
     for (const int v : held) A.col(v).setZero();

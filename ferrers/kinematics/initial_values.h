@@ -16,11 +16,18 @@ struct InitialValues {
     CoordinateAccess access;
     double value = 0;
   };
+  /// Pose of a cut spherical joint (rotation only) or free joint.
+  struct CutPose {
+    int cut = 0;  ///< Index into `System::cuts`.
+    Pose X_FM;
+    bool position = false;
+  };
   std::vector<TreeTarget> exact, guesses;
   std::vector<CutTarget> cut;
+  std::vector<CutPose> cut_poses;
   std::vector<int> held;  ///< Velocity indices that `exact` fixes.
 
-  bool any_exact() const { return !exact.empty() || !cut.empty(); }
+  bool any_exact() const { return !exact.empty() || !cut.empty() || !cut_poses.empty(); }
   void apply_guesses(const System& system, State& state) const;
   /// How many steps take the held coordinates to their values (about 0.1 rad each).
   int steps(const Scaling& scaling, const State& from) const;
