@@ -28,7 +28,7 @@ struct JointPeak {
 /// Turns states into rows of output: measures every joint coordinate, recorded point, effort and reaction.
 class Recorder {
  public:
-  Recorder(std::shared_ptr<const DynamicsModel> model, ReactionAxes axes = ReactionAxes::kWorld);
+  explicit Recorder(std::shared_ptr<const DynamicsModel> model, ReactionAxes axes = ReactionAxes::kWorld);
 
   /// "t"; per joint coordinate JOINT.COORDINATE, .velocity, .acceleration; DRIVE.effort; POINT.x .y .z; "energy".
   const std::vector<std::string>& columns() const { return columns_; }
