@@ -1,7 +1,7 @@
 # Warnings and sanitizers, in one interface target that only our own targets use.
 add_library(ferrers_warnings INTERFACE)
 target_compile_options(ferrers_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual
-                                                  -Wno-maybe-uninitialized)
+                                                  -Wno-maybe-uninitialized -Wno-restrict)  # g++ 12 misjudges both in library code
 if(FERRERS_WERROR)
   target_compile_options(ferrers_warnings INTERFACE -Werror)
 endif()

@@ -16,6 +16,8 @@ struct PrescribedMotion::Impl {
   PrescribedResult current;     // last instant solved
   bool started = false;
   bool rates_known = false;
+  bool singular_here = false;  // at the last instant
+  Selection reported;          // there: what is independent at that pose
 
   // Rows [G_r; D] of the square system, residuals and biases of D.
   RowMatrixXd D;
@@ -152,14 +154,29 @@ struct PrescribedMotion::Impl {
     evaluate(state);
     factor();
     for (std::size_t i = 0; i < motions.size(); ++i) rhs[r + static_cast<long>(i)] = motions[i].rate;
-    state.v = lu.solve(rhs);
+    singular_here = !is_regular();
+    if (singular_here) reported = select_independent(system, scaling, eq.constraints);
+    if (!solve_square(rhs, state.v)) return false;
     evaluate(state);
     for (int k = 0; k < r; ++k) rhs[k] = eq.constraints.gamma[selection.rows[k]];
     for (std::size_t i = 0; i < motions.size(); ++i) {
       rhs[r + static_cast<long>(i)] = motions[i].acceleration - drive_bias[static_cast<long>(i)];
     }
-    current.vdot = lu.solve(rhs);
-    return state.v.allFinite() && current.vdot.allFinite() && is_regular();
+    return solve_square(rhs, current.vdot);
+  }
+
+  // A x = rhs. At a singular pose the least solution in scaled units, where the equations do not contradict each other:
+  // motions that are free there for an instant (an idle spin) are taken to rest.
+  bool solve_square(const VectorXd& rhs, VectorXd& x) const {
+    if (!singular_here) {
+      x = lu.solve(rhs);
+      return x.allFinite();
+    }
+    const VectorXd scales = row_scales();
+    const LeastNormResult least = solve_least_norm(scales.asDiagonal() * A * scaling.columns.asDiagonal(),
+                                                   scales.cwiseProduct(rhs));
+    x = scaling.columns.cwiseProduct(least.x);
+    return is_negligible(least.residual, std::max(scales.cwiseProduct(rhs).norm(), 1e-300));
   }
 
   bool is_regular() const {
@@ -175,7 +192,7 @@ struct PrescribedMotion::Impl {
     return scales;
   }
 
-  void solve_efforts() {
+  bool solve_efforts() {
     const int r = static_cast<int>(selection.rows.size());
     compute_mass_and_bias(*model, eq);
     compute_applied_forces(*model, current.state, eq);
@@ -183,10 +200,20 @@ struct PrescribedMotion::Impl {
     current.u = eq.u;
     for (const int i : prescribed) current.u[i] = 0;
     rhs.noalias() -= eq.B_transposed.transpose() * current.u;
-    const VectorXd x = lu.transpose().solve(rhs);
+    VectorXd x;
+    if (singular_here) {
+      const VectorXd scales = row_scales();
+      const MatrixXd scaled = scaling.columns.asDiagonal() * A.transpose() * scales.asDiagonal();
+      const LeastNormResult least = solve_least_norm(scaled, scaling.columns.cwiseProduct(rhs));
+      if (!is_negligible(least.residual, std::max(scaling.columns.cwiseProduct(rhs).norm(), 1e-300))) return false;
+      x = scales.cwiseProduct(least.x);
+    } else {
+      x = lu.transpose().solve(rhs);
+    }
     current.lambda.setZero();
     for (int k = 0; k < r; ++k) current.lambda[selection.rows[k]] = x[k];
     for (std::size_t i = 0; i < prescribed.size(); ++i) current.u[prescribed[i]] = x[r + static_cast<long>(i)];
+    return true;
   }
 };
 
@@ -257,11 +284,16 @@ PrescribedResult PrescribedMotion::solve(double t, bool with_efforts) {
     s.current.message = "the driven mechanism is at a singular pose (a dead point) at t = " + std::to_string(t) + " s";
     return s.current;
   }
-  if (with_efforts) s.solve_efforts();
+  if (with_efforts && !s.solve_efforts()) {
+    s.current.status = PrescribedStatus::kSingular;
+    s.current.message = "no finite efforts hold the motion through the singular pose at t = " + std::to_string(t) + " s";
+  }
   return s.current;
 }
 
 const Equations& PrescribedMotion::equations() const { return impl_->eq; }
-const Selection& PrescribedMotion::selection() const { return impl_->selection; }
+const Selection& PrescribedMotion::selection() const {
+  return impl_->singular_here ? impl_->reported : impl_->selection;
+}
 
 }  // namespace ferrers

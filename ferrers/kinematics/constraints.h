@@ -9,7 +9,7 @@ namespace ferrers {
 ///
 ///   phi(q) = 0,   G v = nu,   G vdot = gamma(q, v)        [stepanyan, eq. (1), (3), (4)]
 ///
-/// Here nu = 0: prescribed motions are added by their owners (kinematics/prescribed.h). Rows are named
+/// Here nu = 0: prescribed motions are added by their owners (dynamics/inverse.h). Rows are named
 /// (`System::row_names`).
 struct ConstraintKinematics {
   VectorXd phi;    ///< m: residual, m or rad.

@@ -247,6 +247,7 @@ RunSummary simulate(std::shared_ptr<const DynamicsModel> model, const Simulation
   require(!options.step || *options.step > 0, "simulate: the step must be positive");
   require(!options.tolerance || *options.tolerance > 0, "simulate: the tolerance must be positive");
   std::vector<std::string> refused = model->unsupported;
+  for (const std::string& body : model->massless_bodies) refused.push_back("no mass for body '" + body + "'");
   if (!model->system->model->events().empty()) refused.emplace_back("events");
   for (const Joint& joint : model->system->model->joints()) {
     if (joint.type == JointType::kGearMesh && joint.constants.mesh_holds_as_drawn_only) {
