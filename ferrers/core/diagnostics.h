@@ -21,7 +21,7 @@ enum class Severity { kError, kWarning, kNotice };
 /// One thing to tell the user about a file or model: code, place, what, and what to do about it.
 struct Diagnostic {
   Severity severity = Severity::kError;
-  std::string code;     ///< For example "F204"; every code stands in `diagnostic_codes()`.
+  std::string code;  ///< For example "F204"; every code stands in `diagnostic_codes()`.
   SourceRange at;
   std::string message;  ///< One sentence without a full stop, names in 'single quotes'.
   std::string hint;     ///< What to do; may be empty.

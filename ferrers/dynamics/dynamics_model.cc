@@ -60,7 +60,8 @@ class Binder {
     if (law.inputs().size() > 64) model_->unsupported.emplace_back("a law that reads more than 64 quantities");
     for (const LawInput& input : law.inputs()) {
       bound.kinds.push_back(input.kind);
-      bound.accesses.push_back(input.kind == LawInput::Kind::kTime ? CoordinateAccess() : system().access(input.coordinate));
+      bound.accesses.push_back(input.kind == LawInput::Kind::kTime ? CoordinateAccess()
+                                                                   : system().access(input.coordinate));
     }
     return bound;
   }

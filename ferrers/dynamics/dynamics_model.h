@@ -12,8 +12,8 @@ namespace ferrers {
 
 struct NodeInertia {
   double mass_kg = 0;
-  Vector3d com_N = Vector3d::Zero();      ///< Mass centre in the node frame, m.
-  Matrix3d I_N = Matrix3d::Zero();        ///< About the mass centre, node axes, kg·m².
+  Vector3d com_N = Vector3d::Zero();  ///< Mass centre in the node frame, m.
+  Matrix3d I_N = Matrix3d::Zero();    ///< About the mass centre, node axes, kg·m².
 };
 
 /// A law with its inputs resolved to coordinates.
@@ -64,7 +64,7 @@ struct DynamicsModel {
   std::vector<BoundTorsionSpring> torsion_springs;  ///< Also joint damping and viscous joint friction.
   std::vector<BoundBushing> bushings;
   std::vector<BoundLoad> loads;
-  std::vector<DriveComponent> drives;  ///< nu of them.
+  std::vector<DriveComponent> drives;        ///< nu of them.
   std::vector<std::string> massless_bodies;  ///< Bodies without a given mass: dynamics must refuse them.
   std::vector<std::string> unsupported;      ///< What the model asks and the dynamics cannot do, in words.
   bool has_forces = false;

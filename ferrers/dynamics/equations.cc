@@ -163,8 +163,8 @@ Energy compute_energy(const DynamicsModel& model, const State& state, const Posi
   for (const BoundBushing& b : model.bushings) {
     const RelativeMotion m = compute_relative_motion(b.frames, pos, vel);
     const Vector3d d = m.R_F.transpose() * m.d, theta = rotation_log(m.R_F.transpose() * m.R_M);
-    energy.elastic += 0.5 * d.dot(b.stiffness.head<3>().cwiseProduct(d)) +
-                      0.5 * theta.dot(b.stiffness.tail<3>().cwiseProduct(theta));
+    energy.elastic +=
+        0.5 * d.dot(b.stiffness.head<3>().cwiseProduct(d)) + 0.5 * theta.dot(b.stiffness.tail<3>().cwiseProduct(theta));
   }
   return energy;
 }

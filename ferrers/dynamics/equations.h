@@ -9,8 +9,8 @@ namespace ferrers {
 ///
 ///   M vdot + h = tau + B u + Gᵀ lambda,   G vdot = gamma
 ///
-/// M: nv×nv mass matrix; h: nv, Coriolis and gravity; tau: nv, applied forces; B: nv×nu; u: nu drive efforts. One struct
-/// holds every stage of an evaluation, allocated once and refilled.
+/// M: nv×nv mass matrix; h: nv, Coriolis and gravity; tau: nv, applied forces; B: nv×nu; u: nu drive efforts. One
+/// struct holds every stage of an evaluation, allocated once and refilled.
 struct Equations {
   PositionKinematics pos;
   VelocityKinematics vel;
@@ -34,7 +34,8 @@ struct Equations {
 
 Equations make_equations(const DynamicsModel& model);
 
-/// Fills everything for `state`; drives take their effort laws. Allocates nothing. Cost: O(bodies · depth + rows · loop).
+/// Fills everything for `state`; drives take their effort laws. Allocates nothing. Cost: O(bodies · depth + rows ·
+/// loop).
 void compute_equations(const DynamicsModel& model, const State& state, Equations& out);
 
 /// The parts of `compute_equations`, for callers that know some already.

@@ -10,21 +10,23 @@
 /// [stepanyan, eq. (8), (9)].
 ///
 /// Given: the equations at a state and a selection of independent rows and coordinates. Wanted: vdot with G_r vdot =
-/// gamma_r and lambda with M vdot = force + G_rᵀ lambda. Rows left out get lambda = 0; where reactions are not unique this
-/// is one of many (see redundancy/analysis.h).
-/// Every formulation has this one signature, lives in its own file, and agrees with the others to rounding (tested).
+/// gamma_r and lambda with M vdot = force + G_rᵀ lambda. Rows left out get lambda = 0; where reactions are not unique
+/// this is one of many (see redundancy/analysis.h). Every formulation has this one signature, lives in its own file,
+/// and agrees with the others to rounding (tested).
 namespace ferrers {
 
 enum class Formulation {
-  kNullSpace,    ///< v = N z from the selected coordinates; needs M regular on the admissible motions only. Cost: O(n² w + r³).
-  kElimination,  ///< The paper's: dependent rows left out, multipliers from G M⁻¹ Gᵀ. Needs M regular. Cost: O(n³ + n r²).
+  kNullSpace,  ///< v = N z from the selected coordinates; needs M regular on the admissible motions only. Cost: O(n² w
+               ///< + r³).
+  kElimination,  ///< The paper's: dependent rows left out, multipliers from G M⁻¹ Gᵀ. Needs M regular. Cost: O(n³ + n
+                 ///< r²).
 };
 std::string_view to_string(Formulation formulation);
 
 enum class ForwardStatus {
-  kSolved,        ///< vdot and lambda are valid.
-  kSingularMass,  ///< The mass matrix is singular on the admissible motions: outputs are not valid.
-  kWornSelection, ///< The chosen rows or coordinates no longer fit: select again. Outputs are not valid.
+  kSolved,         ///< vdot and lambda are valid.
+  kSingularMass,   ///< The mass matrix is singular on the admissible motions: outputs are not valid.
+  kWornSelection,  ///< The chosen rows or coordinates no longer fit: select again. Outputs are not valid.
 };
 
 struct ForwardResult {

@@ -48,9 +48,7 @@ class EliminationSolver final : public ForwardSolver {
     if (!out.vdot.allFinite()) out.status = ForwardStatus::kWornSelection;
   }
 
-  double smallest_pivot() const override {
-    return r_ > 0 ? llt_.matrixLLT().diagonal().cwiseAbs().minCoeff() : 1.0;
-  }
+  double smallest_pivot() const override { return r_ > 0 ? llt_.matrixLLT().diagonal().cwiseAbs().minCoeff() : 1.0; }
 
  private:
   Selection s_;

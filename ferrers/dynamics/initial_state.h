@@ -13,14 +13,14 @@ enum class InitialStateStatus {
 
 struct InitialStateResult {
   InitialStateStatus status = InitialStateStatus::kReady;
-  State state;               ///< Assembled, with velocities.
+  State state;  ///< Assembled, with velocities.
   AssemblyResult assembly;
-  double residual = 0;       ///< Of the velocities, scaled, m/s.
+  double residual = 0;  ///< Of the velocities, scaled, m/s.
   std::string message;
 };
 
-/// The state a run starts from: assembled positions, velocities as given, the others the least in the mass metric that the
-/// constraints allow: min vᵀ M v subject to G v = 0 and the given ones.
+/// The state a run starts from: assembled positions, velocities as given, the others the least in the mass metric that
+/// the constraints allow: min vᵀ M v subject to G v = 0 and the given ones.
 InitialStateResult make_initial_state(const DynamicsModel& model, const AssemblyOptions& options = {});
 
 }  // namespace ferrers

@@ -62,9 +62,7 @@ struct PrescribedMotion::Impl {
     }
   }
 
-  MatrixXd scaled_drive_rows() const {
-    return drive_scale.asDiagonal() * D * scaling.columns.asDiagonal();
-  }
+  MatrixXd scaled_drive_rows() const { return drive_scale.asDiagonal() * D * scaling.columns.asDiagonal(); }
 
   void factor() {
     const int r = static_cast<int>(selection.rows.size());
@@ -173,8 +171,8 @@ struct PrescribedMotion::Impl {
       return x.allFinite();
     }
     const VectorXd scales = row_scales();
-    const LeastNormResult least = solve_least_norm(scales.asDiagonal() * A * scaling.columns.asDiagonal(),
-                                                   scales.cwiseProduct(rhs));
+    const LeastNormResult least =
+        solve_least_norm(scales.asDiagonal() * A * scaling.columns.asDiagonal(), scales.cwiseProduct(rhs));
     x = scaling.columns.cwiseProduct(least.x);
     return is_negligible(least.residual, std::max(scales.cwiseProduct(rhs).norm(), 1e-300));
   }
@@ -286,7 +284,8 @@ PrescribedResult PrescribedMotion::solve(double t, bool with_efforts) {
   }
   if (with_efforts && !s.solve_efforts()) {
     s.current.status = PrescribedStatus::kSingular;
-    s.current.message = "no finite efforts hold the motion through the singular pose at t = " + std::to_string(t) + " s";
+    s.current.message =
+        "no finite efforts hold the motion through the singular pose at t = " + std::to_string(t) + " s";
   }
   return s.current;
 }

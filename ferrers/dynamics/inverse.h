@@ -7,8 +7,8 @@
 
 #include "ferrers/dynamics/forward.h"
 
-/// Problem (inverse dynamics; the paper's direct problem): the motion of w coordinates is prescribed; find all coordinates,
-/// the multipliers and the w drive efforts.
+/// Problem (inverse dynamics; the paper's direct problem): the motion of w coordinates is prescribed; find all
+/// coordinates, the multipliers and the w drive efforts.
 ///
 /// Given: drives with motion laws c_k(q) = f_k(t) that together with the constraints determine every coordinate.
 /// At each instant, continued from the one before [stepanyan, "direct problem", steps 1-5]:
@@ -20,10 +20,10 @@ namespace ferrers {
 
 enum class PrescribedStatus {
   kSolved,
-  kUndriven,        ///< Some motion is not prescribed: `message` names the coordinates. Nothing was computed.
-  kOverdriven,      ///< Drives depend on each other or on the constraints: `message` names them. Nothing was computed.
-  kNotReached,      ///< The prescribed positions cannot be reached at this time: the state is the last good one.
-  kSingular,        ///< A singular pose of the driven mechanism (dead point): no accelerations or forces.
+  kUndriven,    ///< Some motion is not prescribed: `message` names the coordinates. Nothing was computed.
+  kOverdriven,  ///< Drives depend on each other or on the constraints: `message` names them. Nothing was computed.
+  kNotReached,  ///< The prescribed positions cannot be reached at this time: the state is the last good one.
+  kSingular,    ///< A singular pose of the driven mechanism (dead point): no accelerations or forces.
 };
 
 struct PrescribedResult {

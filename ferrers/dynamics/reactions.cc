@@ -6,9 +6,12 @@ namespace ferrers {
 
 std::string_view to_string(ReactionStatus status) {
   switch (status) {
-    case ReactionStatus::kUnique: return "unique";
-    case ReactionStatus::kDistributed: return "distributed";
-    case ReactionStatus::kUndetermined: break;
+    case ReactionStatus::kUnique:
+      return "unique";
+    case ReactionStatus::kDistributed:
+      return "distributed";
+    case ReactionStatus::kUndetermined:
+      break;
   }
   return "undetermined";
 }
@@ -68,7 +71,9 @@ Loads make_motion_loads(const DynamicsModel& model, const State& state, const Eq
 }  // namespace
 
 ReactionSolver::ReactionSolver(std::shared_ptr<const DynamicsModel> model)
-    : model_(std::move(model)), scaling_(make_scaling(*model_->system)), rows_(make_all_rows(*model_->system, scaling_)) {}
+    : model_(std::move(model)),
+      scaling_(make_scaling(*model_->system)),
+      rows_(make_all_rows(*model_->system, scaling_)) {}
 
 std::vector<JointReaction> ReactionSolver::solve(const State& state, const Equations& eq, const Selection& selection,
                                                  const VectorXd& vdot, const VectorXd& lambda, const VectorXd& u,
@@ -91,7 +96,8 @@ std::vector<JointReaction> ReactionSolver::solve(const State& state, const Equat
     const auto Z_joint = Z.middleRows(rows_.first[j], rows_.count[j]);
     for (int k = 0; k < 6; ++k) {
       Wrench direction = Wrench::Zero();
-      const Vector3d axis = axes == ReactionAxes::kWorld ? Vector3d::Unit(k % 3) : Vector3d(joint.motion.R_F.col(k % 3));
+      const Vector3d axis =
+          axes == ReactionAxes::kWorld ? Vector3d::Unit(k % 3) : Vector3d(joint.motion.R_F.col(k % 3));
       direction.segment<3>(k < 3 ? 3 : 0) = axis;
       reactions[j].value[k] = direction.dot(w);
       const bool unique = is_unique_component(direction, joint, Z_joint, scaling_.length_m);

@@ -15,8 +15,8 @@ enum class ReactionStatus {
 };
 std::string_view to_string(ReactionStatus status);
 
-/// The constraint's wrench on a joint's second body at the joint's point: force_x … force_z, moment_x … moment_z, in N and
-/// N·m, world axes or the joint's frame F. Drive efforts, springs and damping in the joint are not in it, so the
+/// The constraint's wrench on a joint's second body at the joint's point: force_x … force_z, moment_x … moment_z, in N
+/// and N·m, world axes or the joint's frame F. Drive efforts, springs and damping in the joint are not in it, so the
 /// component along a freedom is 0 and unique. The first body gets the opposite wrench at the same point.
 struct JointReaction {
   std::array<double, 6> value{};  ///< Valid where status is not kUndetermined.
@@ -27,8 +27,8 @@ enum class ReactionAxes { kWorld, kJoint };
 
 /// Computes reactions of all joints at a state whose accelerations are known.
 ///
-/// Each tree joint balances its outboard side; a component is unique when its projection on the joint's constraint wrenches
-/// is orthogonal to every self-stress at this pose [wojtyra2005]. Cost: O(rows · redundant).
+/// Each tree joint balances its outboard side; a component is unique when its projection on the joint's constraint
+/// wrenches is orthogonal to every self-stress at this pose [wojtyra2005]. Cost: O(rows · redundant).
 class ReactionSolver {
  public:
   explicit ReactionSolver(std::shared_ptr<const DynamicsModel> model);

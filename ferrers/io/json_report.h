@@ -10,8 +10,8 @@ namespace ferrers {
 
 /// What `ferrers.analyze/1` tells of one model. What is not known is null in the object, never invented.
 struct AnalysisDocument {
-  std::string model;                         ///< Empty: not known, the file could not be read.
-  const RedundancyReport* report = nullptr;  ///< Null: the model could not be read or assembled.
+  std::string model;                             ///< Empty: not known, the file could not be read.
+  const RedundancyReport* report = nullptr;      ///< Null: the model could not be read or assembled.
   const PermanenceReport* permanence = nullptr;  ///< Null: not analysed.
   const Diagnostics* diagnostics = nullptr;
 };

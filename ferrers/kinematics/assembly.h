@@ -11,9 +11,9 @@
 ///
 /// Given: a system and starting coordinates, some of them held. Wanted: q with phi(q) = 0.
 /// Method: Levenberg-Marquardt on the scaled residual with a damping tied to the residual, so that it is quadratic near
-/// the solution whatever the rank, never needs one to be decided, and stays on the branch of the guess. Held coordinates
-/// are moved to their values in small steps from the drawn pose. Where a start is stationary but open (all bars in one
-/// line) it is kicked, always the same way. No mass and no time step enters.
+/// the solution whatever the rank, never needs one to be decided, and stays on the branch of the guess. Held
+/// coordinates are moved to their values in small steps from the drawn pose. Where a start is stationary but open (all
+/// bars in one line) it is kicked, always the same way. No mass and no time step enters.
 namespace ferrers {
 
 enum class AssemblyStatus {
@@ -37,11 +37,11 @@ struct AssemblyOptions {
 
 struct AssemblyResult {
   AssemblyStatus status = AssemblyStatus::kOpen;
-  State state;                       ///< At rest, t = 0.
-  double residual = 0;               ///< Largest scaled residual, m.
+  State state;                         ///< At rest, t = 0.
+  double residual = 0;                 ///< Largest scaled residual, m.
   std::vector<OpenJoint> open_joints;  ///< Largest first.
   int iterations = 0;
-  std::string message;               ///< What happened, likely causes, what to try; empty when assembled.
+  std::string message;  ///< What happened, likely causes, what to try; empty when assembled.
 };
 
 /// Assembles the mechanism from its drawn pose and initial positions.

@@ -23,10 +23,10 @@ RelativeMotion compute_relative_motion(const FramePair& pair, const PositionKine
   m.R_F.noalias() = n1.R * pair.X_1F.R;
   m.R_M.noalias() = n2.R * pair.X_2M.R;
   const Vector3d r_F = n1.R * pair.X_1F.p;
-  const Vector3d r_2 = n2.R * pair.X_2M.p;      // node 2's origin to p_M
+  const Vector3d r_2 = n2.R * pair.X_2M.p;  // node 2's origin to p_M
   const Vector3d apart = n2.p - n1.p;
   m.d = apart + r_2 - r_F;
-  const Vector3d r_1 = apart + r_2;             // node 1's origin to p_M
+  const Vector3d r_1 = apart + r_2;  // node 1's origin to p_M
   m.w1 = k1.w;
   m.w2 = k2.w;
   m.w = k2.w - k1.w;

@@ -46,13 +46,15 @@ void add_cut_pose(const System& system, const InitialValue& initial, std::vector
   InitialValues::CutPose target;
   target.cut = system.topology->closure_of_joint[initial.coordinate.joint.index()];
   target.position = type.quaternion_at == 3;
-  const Eigen::Vector4d u = Eigen::Map<const Eigen::Vector4d>(initial.position.data() + type.quaternion_at).normalized();
+  const Eigen::Vector4d u =
+      Eigen::Map<const Eigen::Vector4d>(initial.position.data() + type.quaternion_at).normalized();
   target.X_FM.R = quaternion_matrix(u.data());
   if (target.position) target.X_FM.p = Eigen::Map<const Vector3d>(initial.position.data());
   out.push_back(target);
 }
 
-// What is missing to a cut joint's pose, along F's axes, with its rows: lengths, rotations times L. Returns the next row.
+// What is missing to a cut joint's pose, along F's axes, with its rows: lengths, rotations times L. Returns the next
+// row.
 int add_pose_rows(const System& system, const InitialValues::CutPose& target, double length,
                   const PositionKinematics& pos, const VelocityKinematics& rest, int row, RowMatrixXd& A, VectorXd& b) {
   const FramePair& frames = system.cuts[target.cut].frames;
@@ -113,7 +115,8 @@ int InitialValues::steps(const Scaling& scaling, const State& from) const {
     if (target.rotation) {
       largest = std::max(largest, 3.2);
     } else {
-      largest = std::max(largest, std::abs(target.value[0] - from.q[target.q]) / (scaling.columns[target.v] * scaling.length_m));
+      largest = std::max(largest,
+                         std::abs(target.value[0] - from.q[target.q]) / (scaling.columns[target.v] * scaling.length_m));
     }
   }
   return std::clamp(static_cast<int>(std::ceil(largest / 0.1)), 1, 400);
@@ -122,7 +125,8 @@ int InitialValues::steps(const Scaling& scaling, const State& from) const {
 void InitialValues::apply_exact(const State& from, double fraction, State& state) const {
   for (const TreeTarget& target : exact) {
     if (!target.rotation) {
-      state.q[target.q] = fraction >= 1 ? target.value[0] : from.q[target.q] + fraction * (target.value[0] - from.q[target.q]);
+      state.q[target.q] =
+          fraction >= 1 ? target.value[0] : from.q[target.q] + fraction * (target.value[0] - from.q[target.q]);
       continue;
     }
     const Eigen::Vector4d a = from.q.segment<4>(target.q), b = Eigen::Map<const Eigen::Vector4d>(target.value);
@@ -132,7 +136,8 @@ void InitialValues::apply_exact(const State& from, double fraction, State& state
   }
 }
 
-bool InitialValues::meet_cut_targets(const System& system, const Scaling& scaling, State& state, int& iterations) const {
+bool InitialValues::meet_cut_targets(const System& system, const Scaling& scaling, State& state,
+                                     int& iterations) const {
   if (cut.empty() && cut_poses.empty()) return true;
   PositionKinematics pos = make_position_kinematics(system);
   const VelocityKinematics rest = make_velocity_kinematics(system);
@@ -152,7 +157,8 @@ bool InitialValues::meet_cut_targets(const System& system, const Scaling& scalin
       const Jet jet = measure_coordinate(system, cut[j].access, state, pos, rest);
       add_coordinate_row(system, cut[j].access, pos, jet, 1, A.row(m + j));
       const double scale = cut[j].access.winding >= 0 ? scaling.length_m : 1.0;
-      b[m + j] = scale * std::clamp(cut[j].value - jet.value, -0.1 / scale * scaling.length_m, 0.1 / scale * scaling.length_m);
+      b[m + j] =
+          scale * std::clamp(cut[j].value - jet.value, -0.1 / scale * scaling.length_m, 0.1 / scale * scaling.length_m);
       A.row(m + j) *= scale;
     }
     int row = m + k;

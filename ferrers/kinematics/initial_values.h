@@ -4,12 +4,12 @@
 
 namespace ferrers {
 
-/// The model's `initial` positions sorted by how they can be met: coordinates of tree joints are set and held, those of cut
-/// joints are reached by Newton steps, guesses only start the search.
+/// The model's `initial` positions sorted by how they can be met: coordinates of tree joints are set and held, those of
+/// cut joints are reached by Newton steps, guesses only start the search.
 struct InitialValues {
   struct TreeTarget {
     int q = 0, v = 0;
-    bool rotation = false;     ///< Four values of a quaternion from q on, three velocities from v on.
+    bool rotation = false;  ///< Four values of a quaternion from q on, three velocities from v on.
     double value[4] = {};
   };
   struct CutTarget {

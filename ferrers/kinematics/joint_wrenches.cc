@@ -108,7 +108,8 @@ void add_coupling_efforts(const System& system, const PositionKinematics& pos,
   }
 }
 
-// The part of a tree joint's wrench (on its second body, at p_M) that its rows carry: least squares with moments over L.
+// The part of a tree joint's wrench (on its second body, at p_M) that its rows carry: least squares with moments over
+// L.
 MatrixXd constraint_part(const JointFrameWrenches& joint, const Wrenches& w, double length) {
   Eigen::Matrix<double, 6, 1> weight;
   weight << Vector3d::Constant(1 / (length * length)), Vector3d::Ones();

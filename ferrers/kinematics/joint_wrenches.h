@@ -8,14 +8,14 @@
 
 /// Problem: multipliers live on the cut joints' rows only. A reaction or a self-stress loads every joint.
 ///
-/// Given: the multipliers of the closure rows, forces on the bodies and efforts in the joints. Wanted: the multipliers of all
-/// joints' rows. Each tree joint carries what its outboard side needs for equilibrium; what its rows cannot carry is the
-/// effort along its freedoms. Cost: O(bodies + rows).
+/// Given: the multipliers of the closure rows, forces on the bodies and efforts in the joints. Wanted: the multipliers
+/// of all joints' rows. Each tree joint carries what its outboard side needs for equilibrium; what its rows cannot
+/// carry is the effort along its freedoms. Cost: O(bodies + rows).
 namespace ferrers {
 
 /// Rows of every joint and coupling in the order of the file (closure rows are some of them).
 struct AllRows {
-  std::vector<int> first;          ///< Per joint, then per coupling: first row.
+  std::vector<int> first;  ///< Per joint, then per coupling: first row.
   std::vector<int> count;
   std::vector<std::string> names;  ///< "joint/force_x"; a coupling's name.
   VectorXd scale;                  ///< Like Scaling::rows.
@@ -27,8 +27,8 @@ AllRows make_all_rows(const System& system, const Scaling& scaling);
 /// One joint's rows at a pose: where they act and their wrenches on the second body.
 struct JointFrameWrenches {
   RelativeMotion motion;
-  Vector3d p_M = Vector3d::Zero();                                    ///< World, m.
-  Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6> T;                ///< 6 × rows, (moment, force) at p_M, world axes.
+  Vector3d p_M = Vector3d::Zero();                      ///< World, m.
+  Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6> T;  ///< 6 × rows, (moment, force) at p_M, world axes.
 };
 
 /// All joints' row wrenches at one pose.

@@ -9,10 +9,10 @@ namespace ferrers {
 /// Poses of all nodes and the tree joints' motion subspaces. Valid after `compute_positions`.
 struct PositionKinematics {
   struct NodePosition {
-    Matrix3d R = Matrix3d::Identity();         ///< Node frame in the world.
-    Vector3d p = Vector3d::Zero();             ///< Its origin, m.
-    Vector3d lever = Vector3d::Zero();         ///< p_F − p_M of a reversed inboard joint, else zero.
-    Matrix3d R_F = Matrix3d::Identity();       ///< F of the inboard joint in the world.
+    Matrix3d R = Matrix3d::Identity();    ///< Node frame in the world.
+    Vector3d p = Vector3d::Zero();        ///< Its origin, m.
+    Vector3d lever = Vector3d::Zero();    ///< p_F − p_M of a reversed inboard joint, else zero.
+    Matrix3d R_F = Matrix3d::Identity();  ///< F of the inboard joint in the world.
   };
   std::vector<NodePosition> nodes;
   /// nv columns: twist of node i per unit velocity coordinate, world axes, at the node's origin.

@@ -18,8 +18,8 @@ class Projector {
  public:
   Projector(const System& system, const Scaling& scaling, std::vector<int> rows);
 
-  /// Projects `state`; `pos`, `vel`, `constraints` are work space and end up at the projected positions (not velocities).
-  /// Returns the largest scaled residual of the rows left, m; infinity where it failed.
+  /// Projects `state`; `pos`, `vel`, `constraints` are work space and end up at the projected positions (not
+  /// velocities). Returns the largest scaled residual of the rows left, m; infinity where it failed.
   double project(const Eigen::LLT<MatrixXd>& metric, State& state, PositionKinematics& pos, VelocityKinematics& vel,
                  ConstraintKinematics& constraints);
 

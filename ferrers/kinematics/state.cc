@@ -43,8 +43,7 @@ void displace(const System& system, const VectorXd& dv, VectorXd& q) {
     }
     for (int k = 0; k < at; ++k) q[node.q + k] += dv[node.v + 3 + k];
     double* u = q.data() + node.q + at;
-    Eigen::Quaterniond turned =
-        quaternion_exp(dv.segment<3>(node.v)) * Eigen::Quaterniond(u[0], u[1], u[2], u[3]);
+    Eigen::Quaterniond turned = quaternion_exp(dv.segment<3>(node.v)) * Eigen::Quaterniond(u[0], u[1], u[2], u[3]);
     turned.normalize();
     u[0] = turned.w();
     u[1] = turned.x();

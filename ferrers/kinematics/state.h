@@ -7,10 +7,10 @@ namespace ferrers {
 /// Where a mechanism is and how it moves, in tree joint coordinates.
 struct State {
   double t = 0;
-  VectorXd q;        ///< nq; rotations of spherical and free joints as unit quaternions (w, x, y, z).
-  VectorXd v;        ///< nv.
-  /// The last accepted value of every cut joint's angles (rad): a pose tells an angle only up to full turns, so the turn
-  /// nearest to this reference is meant.
+  VectorXd q;  ///< nq; rotations of spherical and free joints as unit quaternions (w, x, y, z).
+  VectorXd v;  ///< nv.
+  /// The last accepted value of every cut joint's angles (rad): a pose tells an angle only up to full turns, so the
+  /// turn nearest to this reference is meant.
   VectorXd winding;
 };
 

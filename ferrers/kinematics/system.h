@@ -11,8 +11,8 @@
 
 /// A model with a choice of tree, laid out for evaluation. Const; shared by every stage and thread.
 ///
-/// Every body gets a *node frame*: its side of its inboard joint. Twists, accelerations and wrenches of a body are taken at
-/// the node frame's origin, in world axes, so that nothing depends on how far away the world's origin is.
+/// Every body gets a *node frame*: its side of its inboard joint. Twists, accelerations and wrenches of a body are
+/// taken at the node frame's origin, in world axes, so that nothing depends on how far away the world's origin is.
 namespace ferrers {
 
 using VectorXd = Eigen::VectorXd;
@@ -57,9 +57,9 @@ struct CutJoint {
 struct CoordinateAccess {
   bool in_tree = true;
   int q = -1, v = -1;
-  int cut = -1;          ///< Index into `System::cuts`.
-  int jet = -1;          ///< Which of the type's coordinate jets.
-  int winding = -1;      ///< Reference of an angle, or −1.
+  int cut = -1;      ///< Index into `System::cuts`.
+  int jet = -1;      ///< Which of the type's coordinate jets.
+  int winding = -1;  ///< Reference of an angle, or −1.
 };
 
 struct CouplingRow {

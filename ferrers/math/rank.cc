@@ -14,9 +14,7 @@ constexpr double kConfidentGap = 1e4;
 constexpr double kLargestGap = 1e16;
 constexpr double kWornPivot = 1e-3;
 
-double gap_between(double upper, double lower) {
-  return lower <= upper / kLargestGap ? kLargestGap : upper / lower;
-}
+double gap_between(double upper, double lower) { return lower <= upper / kLargestGap ? kLargestGap : upper / lower; }
 
 // Both null spaces and the decomposition they come from. Not by divide and conquer: Eigen 3.4's BDCSVD returns wrong
 // singular values and vectors for some Jacobians with repeated singular values (errors of order one, not of rounding).
@@ -68,7 +66,9 @@ RankDecision decide_rank(Eigen::VectorXd singular_values, double scale) {
   return d;
 }
 
-bool is_negligible(double value, double scale) { return std::abs(value) <= std::sqrt(kSurelyZero * kSurelyNonzero) * scale; }
+bool is_negligible(double value, double scale) {
+  return std::abs(value) <= std::sqrt(kSurelyZero * kSurelyNonzero) * scale;
+}
 
 bool is_worn_pivot(double pivot, double healthy) { return !(std::abs(pivot) > kWornPivot * std::abs(healthy)); }
 

@@ -7,8 +7,8 @@
 ///
 /// Given: a matrix whose rows and columns were scaled to comparable units by the caller. Wanted: its rank, with what
 /// certainty, and what follows (independent rows and columns, null spaces).
-/// Decision: with σ_1 ≥ σ_2 ≥ …, values above 1e-5·scale are surely nonzero and values below 1e-10·scale surely zero; the
-/// rank is cut in the widest gap of what lies between. It is *confident* when nothing lies between and the gap
+/// Decision: with σ_1 ≥ σ_2 ≥ …, values above 1e-5·scale are surely nonzero and values below 1e-10·scale surely zero;
+/// the rank is cut in the widest gap of what lies between. It is *confident* when nothing lies between and the gap
 /// σ_r/σ_{r+1} is at least 1e4. The scale is σ_1 unless the caller knows a better one.
 /// The matrix must be taken at an assembled configuration: off the manifold by ε a redundant row shows a singular value
 /// of about ε.
@@ -20,7 +20,7 @@ struct RankDecision {
   double gap = 0;                   ///< σ_r/σ_{r+1}, at most 1e16; 1e16 also where there is no σ_r or no σ_{r+1}.
   bool full = true;                 ///< No singular value was judged zero.
   bool confident = true;
-  int other_rank = 0;               ///< The second reading where not confident, else `rank`.
+  int other_rank = 0;  ///< The second reading where not confident, else `rank`.
 };
 
 /// Decides from singular values alone (descending). `scale` ≤ 0: the largest of them.

@@ -43,8 +43,8 @@ struct NameRef {
 
 struct ParameterSpec {
   NameRef name;
-  Number value;                       ///< May use parameters in any order; cycles are errors.
-  std::optional<Dimension> dimension; ///< Known when written with a unit.
+  Number value;                        ///< May use parameters in any order; cycles are errors.
+  std::optional<Dimension> dimension;  ///< Known when written with a unit.
   std::optional<Number> min, max, tolerance;
   std::string doc;
 };
@@ -65,20 +65,20 @@ struct PoseSpec {
 struct InertiaSpec {
   enum class Kind { kPoint, kTensor, kRod, kBox, kCylinder, kSphere };
   Kind kind = Kind::kPoint;
-  Number3 moments, products;                   ///< kTensor: Ixx Iyy Izz; Ixy Ixz Iyz (tensor entries, −∫xy dm).
-  std::optional<Number3> from, to;             ///< kRod (required), kCylinder (its axis): end points, in the body's drawing frame.
-  Number3 size;                                ///< kBox: edge lengths along its axes.
-  Number radius;                               ///< kCylinder, kSphere (solid).
-  std::optional<RotationSpec> rotation;        ///< kBox, kTensor: turns the shape's axes in the drawing frame.
+  Number3 moments, products;        ///< kTensor: Ixx Iyy Izz; Ixy Ixz Iyz (tensor entries, −∫xy dm).
+  std::optional<Number3> from, to;  ///< kRod (required), kCylinder (its axis): end points, in the body's drawing frame.
+  Number3 size;                     ///< kBox: edge lengths along its axes.
+  Number radius;                    ///< kCylinder, kSphere (solid).
+  std::optional<RotationSpec> rotation;  ///< kBox, kTensor: turns the shape's axes in the drawing frame.
   SourceRange at;
 };
 
 struct BodySpec {
   NameRef name;
   std::optional<Number> mass;
-  std::optional<Number3> com;     ///< Needed with a mass, unless the shape has end points (then their middle).
+  std::optional<Number3> com;  ///< Needed with a mass, unless the shape has end points (then their middle).
   InertiaSpec inertia;
-  std::optional<PoseSpec> pose;   ///< Present: com, inertia and per-body places are in this frame, given in the world.
+  std::optional<PoseSpec> pose;  ///< Present: com, inertia and per-body places are in this frame, given in the world.
 };
 
 /// A point or direction: drawn once in the world, or given on both bodies in their own frames.
@@ -90,8 +90,19 @@ struct PlaceSpec {
 };
 
 enum class JointType {
-  kWeld, kRevolute, kPrismatic, kScrew, kCylindrical, kUniversal, kSpherical, kPlanar,
-  kPointOnLine, kPointOnPlane, kDistance, kGearMesh, kFree,
+  kWeld,
+  kRevolute,
+  kPrismatic,
+  kScrew,
+  kCylindrical,
+  kUniversal,
+  kSpherical,
+  kPlanar,
+  kPointOnLine,
+  kPointOnPlane,
+  kDistance,
+  kGearMesh,
+  kFree,
 };
 
 struct StiffnessSpec {
@@ -118,14 +129,15 @@ struct JointSpec {
   PlaceSpec axis2;                ///< kUniversal: the second of `axes`.
   std::optional<Number3> x;       ///< Optional x direction of the joint's frame, drawn.
   Number lead;                    ///< kScrew: m per turn.
-  std::optional<std::array<Number3, 2>> points;   ///< kDistance: on the first, on the second; drawn, or in the bodies' frames when they have poses
-  bool points_on_bodies = false;                  ///< kDistance: `points` is keyed by body: each in its body's own frame.
-  std::optional<Number> length;                   ///< kDistance: else the distance as drawn.
-  std::optional<Number3> line_of_action;          ///< kGearMesh: direction, drawn.
+  std::optional<std::array<Number3, 2>>
+      points;  ///< kDistance: on the first, on the second; drawn, or in the bodies' frames when they have poses
+  bool points_on_bodies = false;          ///< kDistance: `points` is keyed by body: each in its body's own frame.
+  std::optional<Number> length;           ///< kDistance: else the distance as drawn.
+  std::optional<Number3> line_of_action;  ///< kGearMesh: direction, drawn.
   std::optional<std::array<Number3, 2>> centers;  ///< kGearMesh: centres of first and second, drawn.
   std::optional<StiffnessSpec> stiffness;
   std::optional<MisalignmentSpec> misalignment;
-  std::optional<std::array<Number, 2>> limits;    ///< Low, high of the (only) coordinate.
+  std::optional<std::array<Number, 2>> limits;  ///< Low, high of the (only) coordinate.
   std::optional<FrictionSpec> friction;
 };
 
@@ -147,18 +159,19 @@ struct LawSpec {
   std::optional<Expression> expression;  ///< Over t, parameters and (for efforts and forces) joint coordinates.
   /// A sampled law: times and values read from a CSV file by the reader; interpolated by a twice differentiable spline.
   std::optional<std::pair<std::vector<double>, std::vector<double>>> samples;
-  std::string file;                      ///< For messages and writing back.
+  std::string file;  ///< For messages and writing back.
   int column = 0;
   SourceRange at;
 };
 
 struct DriveSpec {
   NameRef name;
-  std::optional<CoordinateRef> coordinate;                ///< On a joint coordinate, or
-  std::optional<std::array<NameRef, 2>> bodies;           ///< on the distance of two points (drawn, or in body frames if posed), or
+  std::optional<CoordinateRef> coordinate;  ///< On a joint coordinate, or
+  std::optional<std::array<NameRef, 2>>
+      bodies;  ///< on the distance of two points (drawn, or in body frames if posed), or
   std::optional<std::array<Number3, 2>> points;
-  std::optional<NameRef> point;                           ///< on a recorded point (three laws, world axes).
-  std::vector<LawSpec> motion, effort;                    ///< Empty, one, or three (recorded point).
+  std::optional<NameRef> point;         ///< on a recorded point (three laws, world axes).
+  std::vector<LawSpec> motion, effort;  ///< Empty, one, or three (recorded point).
   SourceRange at;
 };
 
@@ -199,8 +212,8 @@ struct ForceSpec {
 
 struct InitialSpec {
   NameRef joint;
-  std::string coordinate;               ///< Empty: all the joint's coordinates in order.
-  std::vector<Number> position;         ///< Empty: not given. Quaternions as (w, x, y, z).
+  std::string coordinate;        ///< Empty: all the joint's coordinates in order.
+  std::vector<Number> position;  ///< Empty: not given. Quaternions as (w, x, y, z).
   std::vector<Number> velocity;
   bool guess = false;
   SourceRange at;

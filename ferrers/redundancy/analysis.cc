@@ -31,7 +31,8 @@ std::vector<Block> cut_into_blocks(const System& system, const Scaling& scaling,
     block.G.resize(static_cast<int>(block.rows.size()), static_cast<int>(block.columns.size()));
     for (int i = 0; i < block.G.rows(); ++i) {
       for (int k = 0; k < block.G.cols(); ++k) {
-        block.G(i, k) = G(block.rows[i], block.columns[k]) * scaling.rows[block.rows[i]] * scaling.columns[block.columns[k]];
+        block.G(i, k) =
+            G(block.rows[i], block.columns[k]) * scaling.rows[block.rows[i]] * scaling.columns[block.columns[k]];
       }
     }
     blocks.push_back(std::move(block));

@@ -20,10 +20,10 @@ namespace ferrers {
 
 /// The decision that evaluation runs on.
 struct Selection {
-  std::vector<int> rows;         ///< r independent rows of G, ascending.
-  std::vector<int> dependent;    ///< r coordinates that they determine, ascending.
-  std::vector<int> independent;  ///< The other n − r, ascending.
-  double smallest_pivot = 1;     ///< Of the chosen block, scaled, when it was chosen.
+  std::vector<int> rows;                        ///< r independent rows of G, ascending.
+  std::vector<int> dependent;                   ///< r coordinates that they determine, ascending.
+  std::vector<int> independent;                 ///< The other n − r, ascending.
+  double smallest_pivot = 1;                    ///< Of the chosen block, scaled, when it was chosen.
   std::vector<int> excluded_rows(int m) const;  ///< The m − r rows left out, ascending.
 };
 
@@ -31,24 +31,25 @@ struct Selection {
 struct ReactionUniqueness {
   std::string joint;
   int rows = 0;
-  std::vector<bool> unique;    ///< Per row.
-  int unique_dimension = 0;    ///< rows − rank(Z_joint).
-  bool participates = false;   ///< Some self-stress loads it.
+  std::vector<bool> unique;   ///< Per row.
+  int unique_dimension = 0;   ///< rows − rank(Z_joint).
+  bool participates = false;  ///< Some self-stress loads it.
 };
 
 struct RedundancyReport {
   int bodies = 0, joints = 0;
-  int constraint_rows = 0, rank = 0, mobility = 0, redundant = 0, grubler = 0;  ///< Over all joints, 6 velocities a body.
-  int closure_coordinates = 0, closure_rows = 0, closure_rank = 0;              ///< n, m, r in tree coordinates.
-  RankDecision decision;                    ///< On the scaled closure Jacobian.
+  int constraint_rows = 0, rank = 0, mobility = 0, redundant = 0,
+      grubler = 0;                                                  ///< Over all joints, 6 velocities a body.
+  int closure_coordinates = 0, closure_rows = 0, closure_rank = 0;  ///< n, m, r in tree coordinates.
+  RankDecision decision;                                            ///< On the scaled closure Jacobian.
   double characteristic_length_m = 1;
   Selection selection;
-  std::vector<int> excluded_rows;           ///< Rows of G left out.
+  std::vector<int> excluded_rows;  ///< Rows of G left out.
   std::vector<std::string> excluded_row_names, independent_coordinate_names;
-  MatrixXd self_stresses;                   ///< Z: all rows × redundant, columns orthonormal in scaled units.
-  std::vector<ReactionUniqueness> reactions;///< Joints in file order, then couplings.
+  MatrixXd self_stresses;                     ///< Z: all rows × redundant, columns orthonormal in scaled units.
+  std::vector<ReactionUniqueness> reactions;  ///< Joints in file order, then couplings.
   AllRows rows;
-  double inconsistency = 0;                 ///< Largest |Zᵀ phi|, m: how far the geometry contradicts itself.
+  double inconsistency = 0;  ///< Largest |Zᵀ phi|, m: how far the geometry contradicts itself.
 };
 
 /// Analyses redundancy at `state` (which must be assembled).

@@ -13,8 +13,8 @@ namespace ferrers {
 /// Evaluates accelerations with the decision in force, and watches that it stays true.
 ///
 /// *Decide*: `decide` takes the rank and the selection at an assembled state. *Evaluate*: `evaluate` runs straight-line
-/// algebra with it. *Watch*: `is_worn` compares the pivots with those at the decision; `left_out_residual` is how far the
-/// rows left out are from holding.
+/// algebra with it. *Watch*: `is_worn` compares the pivots with those at the decision; `left_out_residual` is how far
+/// the rows left out are from holding.
 class Evaluator {
  public:
   Evaluator(std::shared_ptr<const DynamicsModel> model, Formulation formulation);

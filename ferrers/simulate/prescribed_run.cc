@@ -28,11 +28,14 @@ DecisionRecord describe(const System& system, const Selection& selection) {
 
 RunStatus run_status(PrescribedStatus status) {
   switch (status) {
-    case PrescribedStatus::kSolved: return RunStatus::kFinished;
+    case PrescribedStatus::kSolved:
+      return RunStatus::kFinished;
     case PrescribedStatus::kUndriven:
-    case PrescribedStatus::kOverdriven: return RunStatus::kBadMotion;
+    case PrescribedStatus::kOverdriven:
+      return RunStatus::kBadMotion;
     case PrescribedStatus::kNotReached:
-    case PrescribedStatus::kSingular: break;
+    case PrescribedStatus::kSingular:
+      break;
   }
   return RunStatus::kStepTooSmall;
 }

@@ -17,7 +17,8 @@ Recorder::Recorder(std::shared_ptr<const DynamicsModel> model, ReactionAxes axes
     const JointTypeInfo& type = joint_type_info(joint.type);
     for (int i = 0; i < type.nq; ++i) columns_.push_back(joint.name + "." + std::string(type.position_names[i]));
     for (const std::string suffix : {".velocity", ".acceleration"}) {
-      for (int i = 0; i < type.nv; ++i) columns_.push_back(joint.name + "." + std::string(type.coordinates[i].name) + suffix);
+      for (int i = 0; i < type.nv; ++i)
+        columns_.push_back(joint.name + "." + std::string(type.coordinates[i].name) + suffix);
     }
   }
   for (const DriveComponent& drive : model_->drives) columns_.push_back(drive.name + ".effort");
@@ -63,7 +64,8 @@ const RunSample& Recorder::record(const State& state, const Equations& eq, const
 }
 
 void Recorder::follow_peaks() {
-  const auto follow = [&](const JointReaction& r, int first, std::optional<double>& peak, double& at, bool& determined) {
+  const auto follow = [&](const JointReaction& r, int first, std::optional<double>& peak, double& at,
+                          bool& determined) {
     double square = 0;
     for (int k = first; k < first + 3; ++k) {
       if (r.status[k] == ReactionStatus::kUndetermined) {

@@ -12,10 +12,10 @@ namespace ferrers {
 /// One row of output: everything that a run's files show at one time.
 struct RunSample {
   double t = 0;
-  std::vector<double> values;             ///< In the order of `Recorder::columns()`, which starts with "t".
-  std::vector<JointReaction> reactions;   ///< Per joint, in file order; empty where none are known (kinematics).
-  double energy = 0;                      ///< J.
-  double constraint_residual = 0;         ///< Largest |phi| over all rows, rotations times L; m.
+  std::vector<double> values;            ///< In the order of `Recorder::columns()`, which starts with "t".
+  std::vector<JointReaction> reactions;  ///< Per joint, in file order; empty where none are known (kinematics).
+  double energy = 0;                     ///< J.
+  double constraint_residual = 0;        ///< Largest |phi| over all rows, rotations times L; m.
 };
 
 /// The largest load of one joint over a run.

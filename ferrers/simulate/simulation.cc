@@ -33,7 +33,8 @@ class Run {
         control_(control),
         evaluator_(model_, options.formulation),
         recorder_(model_, options.axes),
-        control_steps_(options.tolerance.value_or(kDefaultTolerance), std::max(options.grid.t_end, options.grid.every)) {}
+        control_steps_(options.tolerance.value_or(kDefaultTolerance),
+                       std::max(options.grid.t_end, options.grid.every)) {}
 
   RunSummary go() {
     const auto begin = std::chrono::steady_clock::now();
@@ -92,12 +93,14 @@ class Run {
 
   bool solved(ForwardStatus status) {
     switch (status) {
-      case ForwardStatus::kSolved: return true;
+      case ForwardStatus::kSolved:
+        return true;
       case ForwardStatus::kSingularMass:
         return fail(RunStatus::kSingularMass,
                     "the mass matrix is singular on the admissible motions at t = " + number(state_.t) +
                         " s: some motion moves no mass; give the bodies that it moves a mass or an inertia");
-      case ForwardStatus::kWornSelection: break;
+      case ForwardStatus::kWornSelection:
+        break;
     }
     return fail(RunStatus::kStepTooSmall, "accelerations cannot be computed at t = " + number(state_.t) + " s");
   }

@@ -12,7 +12,7 @@
 namespace ferrers {
 
 enum class Integrator {
-  kRungeKutta4,           ///< "runge-kutta-4": fourth order with projection; fixed step, or step doubling to a tolerance.
+  kRungeKutta4,  ///< "runge-kutta-4": fourth order with projection; fixed step, or step doubling to a tolerance.
   kConstantAcceleration,  ///< "constant-acceleration": the paper's, independent accelerations held over a step.
 };
 std::string_view to_string(Integrator integrator);
@@ -43,14 +43,14 @@ struct SimulationOptions {
 
 enum class RunStatus {
   kFinished,
-  kStopped,             ///< By `RunControl::stop` or a `stop` event; what was computed is valid.
-  kNotAssembled,        ///< No initial state; see `message`.
+  kStopped,       ///< By `RunControl::stop` or a `stop` event; what was computed is valid.
+  kNotAssembled,  ///< No initial state; see `message`.
   kInconsistentVelocities,
   kSingularMass,
-  kStepTooSmall,        ///< The error cannot be kept with any step: a singular pose, or forces that are not smooth.
-  kRedundancyEnded,     ///< Rows left out as dependent are no longer fulfilled, and no new decision could be made.
-  kBadMotion,           ///< Prescribed motion not determined or not reachable; see `message`.
-  kUnsupported,         ///< The model asks for something that this version cannot do; see `message`.
+  kStepTooSmall,     ///< The error cannot be kept with any step: a singular pose, or forces that are not smooth.
+  kRedundancyEnded,  ///< Rows left out as dependent are no longer fulfilled, and no new decision could be made.
+  kBadMotion,        ///< Prescribed motion not determined or not reachable; see `message`.
+  kUnsupported,      ///< The model asks for something that this version cannot do; see `message`.
 };
 
 /// A decision about rows and coordinates, and when it was taken.
@@ -64,12 +64,12 @@ struct DecisionRecord {
 struct RunSummary {
   RunStatus status = RunStatus::kFinished;
   std::string message;
-  std::string method;       ///< What was chosen, in words: integrator, step or tolerance, formulation.
+  std::string method;  ///< What was chosen, in words: integrator, step or tolerance, formulation.
   double t_reached = 0;
   long steps = 0, rejected_steps = 0, evaluations = 0;
-  double smallest_step = 0, largest_step = 0;  ///< s.
-  double wall_time_s = 0;   ///< Of the integration with its output.
-  double max_constraint_residual = 0;  ///< m.
+  double smallest_step = 0, largest_step = 0;                               ///< s.
+  double wall_time_s = 0;                                                   ///< Of the integration with its output.
+  double max_constraint_residual = 0;                                       ///< m.
   double energy_start = 0, energy_end = 0, energy_min = 0, energy_max = 0;  ///< J.
   std::vector<DecisionRecord> decisions;
   std::vector<std::string> notices;

@@ -25,8 +25,8 @@ double StepControl::allowed_error(double h, double fastest) const {
   return tolerance_ * std::clamp(h * fastest, 1e-3, 1.0);
 }
 
-// What rounding alone does with pivots down to `ratio` of healthy ones: a residual r of the loops leaves a position known
-// to r/ratio, and the constraint drives its acceleration to r/ratio³ while the pose is crossed.
+// What rounding alone does with pivots down to `ratio` of healthy ones: a residual r of the loops leaves a position
+// known to r/ratio, and the constraint drives its acceleration to r/ratio³ while the pose is crossed.
 double StepControl::rounding_error(const Evaluator& evaluator, double h, double fastest) const {
   const double ratio = std::max(evaluator.smallest_pivot_ratio(), 1e-9);
   const double residual = evaluator.residual_at_step() / evaluator.scaling().length_m + 1e-16;
@@ -45,7 +45,8 @@ double StepControl::predicted_distance(const Evaluator& evaluator, const State& 
   return shrinking ? pivot * (state.t - t) / (before - pivot) : INFINITY;
 }
 
-// The rule evaluates at quarters of the step: put the crossing in the middle of one of them, with the longest such step.
+// The rule evaluates at quarters of the step: put the crossing in the middle of one of them, with the longest such
+// step.
 double StepControl::fit_to_crossing(double h, double distance) {
   if (distance > 1.5 * h) return h;
   if (distance > 1.05 * h) return distance - 0.375 * h;  // land well before it

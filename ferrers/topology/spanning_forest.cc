@@ -86,8 +86,10 @@ class ForestGrower {
 
 SpanningForest make_spanning_forest(const Model& model, const std::vector<bool>& preferred,
                                     const std::vector<bool>& forbidden) {
-  require(preferred.empty() || preferred.size() == model.joints().size(), "make_spanning_forest: wrong size of preferred");
-  require(forbidden.empty() || forbidden.size() == model.joints().size(), "make_spanning_forest: wrong size of forbidden");
+  require(preferred.empty() || preferred.size() == model.joints().size(),
+          "make_spanning_forest: wrong size of preferred");
+  require(forbidden.empty() || forbidden.size() == model.joints().size(),
+          "make_spanning_forest: wrong size of forbidden");
   return ForestGrower(model, preferred, forbidden).grow();
 }
 

@@ -51,7 +51,11 @@ void collect_joint(const Model& model, const Topology& t, JointId joint, std::ve
 
 void add_closures(const Model& model, Topology& t) {
   for (const JointId id : t.forest.cut_joints) {
-    Closure closure{.joint = id, .coupling = {}, .row = t.closure_rows, .row_count = joint_type_info(model.joint(id).type).row_count(), .nodes = {}};
+    Closure closure{.joint = id,
+                    .coupling = {},
+                    .row = t.closure_rows,
+                    .row_count = joint_type_info(model.joint(id).type).row_count(),
+                    .nodes = {}};
     t.closure_of_joint[id.index()] = static_cast<int>(t.closures.size());
     collect_joint(model, t, id, closure.nodes);
     sort_unique(closure.nodes);

@@ -7,8 +7,8 @@
 #include "ferrers/model/model.h"
 #include "ferrers/topology/spanning_forest.h"
 
-/// The combinatorial side of a mechanism: forest, closures, loops, clusters and the Grübler count. No number of it depends
-/// on geometry.
+/// The combinatorial side of a mechanism: forest, closures, loops, clusters and the Grübler count. No number of it
+/// depends on geometry.
 namespace ferrers {
 
 /// A condition on the tree coordinates: a cut joint, or a coupling.
@@ -30,14 +30,14 @@ struct Topology {
   SpanningForest forest;
   std::vector<Closure> closures;  ///< Cut joints in the order of the file, then couplings.
   std::vector<Cluster> clusters;
-  int nq = 0, nv = 0;             ///< Tree coordinates.
+  int nq = 0, nv = 0;  ///< Tree coordinates.
   int closure_rows = 0;
   std::vector<int> q_of_node, v_of_node;  ///< First coordinate of each node.
   std::vector<int> node_of_joint;         ///< The node whose inboard joint it is, or −1 (cut).
   std::vector<int> closure_of_joint;      ///< Or −1 (tree).
 
   int moving_bodies = 0;
-  int joint_rows = 0;     ///< Σ (6 − f) over all joints, and couplings.
+  int joint_rows = 0;  ///< Σ (6 − f) over all joints, and couplings.
   int grubler() const { return 6 * moving_bodies - joint_rows; }
 };
 

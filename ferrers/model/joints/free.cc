@@ -3,13 +3,12 @@
 namespace ferrers {
 namespace {
 
-constexpr std::array<CoordinateInfo, 6> kCoordinates = {
-    {{"omega_x", CoordinateKind::kRotationRate},
-     {"omega_y", CoordinateKind::kRotationRate},
-     {"omega_z", CoordinateKind::kRotationRate},
-     {"v_x", CoordinateKind::kPointVelocity},
-     {"v_y", CoordinateKind::kPointVelocity},
-     {"v_z", CoordinateKind::kPointVelocity}}};
+constexpr std::array<CoordinateInfo, 6> kCoordinates = {{{"omega_x", CoordinateKind::kRotationRate},
+                                                         {"omega_y", CoordinateKind::kRotationRate},
+                                                         {"omega_z", CoordinateKind::kRotationRate},
+                                                         {"v_x", CoordinateKind::kPointVelocity},
+                                                         {"v_y", CoordinateKind::kPointVelocity},
+                                                         {"v_z", CoordinateKind::kPointVelocity}}};
 constexpr std::array<std::string_view, 7> kPositions = {"x", "y", "z", "qw", "qx", "qy", "qz"};
 
 void motion(const JointConstants&, const double* q, Pose& X_FM) {

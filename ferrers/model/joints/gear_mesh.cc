@@ -11,8 +11,8 @@ void angles(const JointConstants&, const RelativeMotion& m, Jet* out) {
   out[1] = atan2(along_second(m, m.R_M.col(1)), along_second(m, m.R_M.col(0)));
 }
 
-// With signed base radii ρ_i, ρ = ρ_1 − ρ_2, centre distance D and L = √(D² − ρ²), the length of the common tangent plus
-// what is wound on the base circles is constant:
+// With signed base radii ρ_i, ρ = ρ_1 − ρ_2, centre distance D and L = √(D² − ρ²), the length of the common tangent
+// plus what is wound on the base circles is constant:
 //   phi = s (L − ρ acos(ρ/D)) + ρ_1 (α − θ_1) − ρ_2 (α − θ_2) + offset,
 // α the direction of the line of centres, θ_i the gears' rotations, s the sign of (line of action)·(line of centres).
 void rows(const JointConstants& c, const RelativeMotion& m, const double* winding, Jet* out) {

@@ -4,9 +4,9 @@ namespace ferrers {
 namespace {
 
 constexpr std::array<const JointTypeInfo*, 13> kTable = {
-    &kWeldJoint,      &kRevoluteJoint, &kPrismaticJoint,   &kScrewJoint,        &kCylindricalJoint, &kUniversalJoint,
-    &kSphericalJoint, &kPlanarJoint,   &kPointOnLineJoint, &kPointOnPlaneJoint, &kDistanceJoint,    &kGearMeshJoint,
-    &kFreeJoint};
+    &kWeldJoint,      &kRevoluteJoint,  &kPrismaticJoint, &kScrewJoint,       &kCylindricalJoint,
+    &kUniversalJoint, &kSphericalJoint, &kPlanarJoint,    &kPointOnLineJoint, &kPointOnPlaneJoint,
+    &kDistanceJoint,  &kGearMeshJoint,  &kFreeJoint};
 
 }  // namespace
 

@@ -10,9 +10,10 @@
 /// What the engine knows of a joint type, one file per type behind one table: the only place that tells types apart.
 ///
 /// Given: frames F on the first and M on the second body, coinciding at zero coordinates. A type with named coordinates
-/// can carry a body in the spanning tree: pose X_FM(q) and twist V_M − V_F = S(q) v. Every type can close a loop: 6 − f rows
-/// phi(X_FM) = 0. Properties that hold (tested at random poses): rows' wrenches T are orthogonal to S on the joint's
-/// own motion, W is the exact gradient of phi and `bias` the exact rest of its second derivative, off the manifold too.
+/// can carry a body in the spanning tree: pose X_FM(q) and twist V_M − V_F = S(q) v. Every type can close a loop: 6 − f
+/// rows phi(X_FM) = 0. Properties that hold (tested at random poses): rows' wrenches T are orthogonal to S on the
+/// joint's own motion, W is the exact gradient of phi and `bias` the exact rest of its second derivative, off the
+/// manifold too.
 namespace ferrers {
 
 /// Components in the names of constraint rows and reactions; 0-2 are forces and 3-5 moments along F's axes.
@@ -45,14 +46,14 @@ struct JointTypeInfo {
   JointType type;
   std::string_view name;
   PlacementRule placement;
-  int nq = 0;  ///< Position coordinates as a tree joint (quaternions take 4).
-  int nv = 0;  ///< Velocity coordinates as a tree joint.
-  std::span<const CoordinateInfo> coordinates = {};      ///< nv of them.
-  std::span<const std::string_view> position_names = {};///< nq of them.
-  std::span<const int> row_components = {};              ///< Row i is called after kComponentNames[row_components[i]].
+  int nq = 0;                                        ///< Position coordinates as a tree joint (quaternions take 4).
+  int nv = 0;                                        ///< Velocity coordinates as a tree joint.
+  std::span<const CoordinateInfo> coordinates = {};  ///< nv of them.
+  std::span<const std::string_view> position_names = {};  ///< nq of them.
+  std::span<const int> row_components = {};               ///< Row i is called after kComponentNames[row_components[i]].
   bool can_be_tree = false;
-  int quaternion_at = -1;    ///< Index in q of a unit quaternion (w, x, y, z), or −1.
-  int winding_count = 0;     ///< Number of `angles`.
+  int quaternion_at = -1;  ///< Index in q of a unit quaternion (w, x, y, z), or −1.
+  int winding_count = 0;   ///< Number of `angles`.
   MotionFunction motion = nullptr;
   SubspaceFunction subspace = nullptr;
   bool constant_subspace = true;  ///< Ṡ = 0 in F axes.
@@ -82,7 +83,8 @@ Jet angle_about_z(const RelativeMotion& m);
 /// True when the rows vanish but the axes point the wrong way round (dot products cannot tell).
 bool is_flipped(const JointTypeInfo& type, const RelativeMotion& m);
 
-/// A point of the reaction: p_M − p_F relative offset from p_M, in world axes; zero but for gear meshes (the pitch point).
+/// A point of the reaction: p_M − p_F relative offset from p_M, in world axes; zero but for gear meshes (the pitch
+/// point).
 Eigen::Vector3d reaction_point_from_M(const Joint& joint, const RelativeMotion& m);
 
 }  // namespace ferrers

@@ -38,7 +38,8 @@ void coordinates(const JointConstants&, const RelativeMotion& m, Jet* out) {
 
 }  // namespace
 
-/// A plate on a table with normal z: displacements along x and y of F, then an angle. Rows: force along z, moments x, y.
+/// A plate on a table with normal z: displacements along x and y of F, then an angle. Rows: force along z, moments x,
+/// y.
 const JointTypeInfo kPlanarJoint = {.type = JointType::kPlanar,
                                     .name = "planar",
                                     .placement = PlacementRule::kPointNormal,

@@ -13,9 +13,9 @@ using Twist = Eigen::Matrix<double, 6, 1>;   ///< Angular first, then linear.
 
 /// Motion of a frame M (on the second body) against a frame F (on the first), in world axes.
 ///
-/// V_rel = V_2 − V_1, both taken at the point p_M, so (w, v) is the relative twist at p_M. The bias fields are the relative
-/// accelerations that remain when every vdot is zero: `alpha` = α_2 − α_1, `a` = a_2 − a_1 of the two bodies' material
-/// points at p_M. Producer: `compute_relative_motion` (kinematics/constraints.cc).
+/// V_rel = V_2 − V_1, both taken at the point p_M, so (w, v) is the relative twist at p_M. The bias fields are the
+/// relative accelerations that remain when every vdot is zero: `alpha` = α_2 − α_1, `a` = a_2 − a_1 of the two bodies'
+/// material points at p_M. Producer: `compute_relative_motion` (kinematics/constraints.cc).
 struct RelativeMotion {
   Eigen::Matrix3d R_F = Eigen::Matrix3d::Identity(), R_M = Eigen::Matrix3d::Identity();
   Eigen::Vector3d d = Eigen::Vector3d::Zero();      ///< p_M − p_F, m.
