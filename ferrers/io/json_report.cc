@@ -50,7 +50,7 @@ OrderedJson reaction_value(const RedundancyReport& report, std::size_t index) {
 OrderedJson self_stress_values(const RedundancyReport& report) {
   OrderedJson all = OrderedJson::array();
   for (int k = 0; k < report.self_stresses.cols(); ++k) {
-    const auto column = report.self_stresses.col(k);
+    const VectorXd column = report.self_stresses.col(k);
     const double largest = column.size() > 0 ? column.cwiseAbs().maxCoeff() : 0.0;
     OrderedJson rows = OrderedJson::object();
     for (int row = 0; row < column.size(); ++row) {

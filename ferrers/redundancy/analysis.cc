@@ -244,8 +244,9 @@ RedundancyReport analyze_redundancy(const System& system, const State& state) {
     report.independent_coordinate_names.push_back(system.coordinate_names[v]);
   }
   report.rows = make_all_rows(system, scaling);
-  report.self_stresses = extend_self_stresses(system, scaling, state, report.rows, blocks);
-  report.reactions = judge_reactions(system, report.rows, report.self_stresses);
+  const MatrixXd Z = extend_self_stresses(system, scaling, state, report.rows, blocks);
+  report.self_stresses = Z.sparseView();
+  report.reactions = judge_reactions(system, report.rows, Z);
   report.inconsistency = largest_contradiction(scaling, blocks, constraints.phi);
   return report;
 }

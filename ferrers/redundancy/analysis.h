@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/SparseCore>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,8 @@
 /// Once decided, evaluation uses the `Selection` only and compares nothing with a tolerance.
 /// Cost: O(Σ over clusters of m n min(m, n)).
 namespace ferrers {
+
+using SparseMatrixXd = Eigen::SparseMatrix<double>;
 
 /// The decision that evaluation runs on.
 struct Selection {
@@ -46,7 +49,7 @@ struct RedundancyReport {
   Selection selection;
   std::vector<int> excluded_rows;  ///< Rows of G left out.
   std::vector<std::string> excluded_row_names, independent_coordinate_names;
-  MatrixXd self_stresses;                     ///< Z: all rows × redundant, columns orthonormal in scaled units.
+  SparseMatrixXd self_stresses;               ///< Z: all rows × redundant; columns of unit norm in scaled units.
   std::vector<ReactionUniqueness> reactions;  ///< Joints in file order, then couplings.
   AllRows rows;
   double inconsistency = 0;  ///< Largest |Zᵀ phi|, m: how far the geometry contradicts itself.

@@ -81,7 +81,7 @@ void expect_consistent(const System& system, const State& state, const Redundanc
 
   // Self-stresses balance every body, fill the null space, and are orthonormal in scaled units.
   const MatrixXd G = compute_scaled_joint_jacobian(system, state, r.rows, r.characteristic_length_m);
-  const MatrixXd Z = r.rows.scale.cwiseInverse().asDiagonal() * r.self_stresses;
+  const MatrixXd Z = r.rows.scale.cwiseInverse().asDiagonal() * MatrixXd(r.self_stresses);
   ASSERT_EQ(Z.cols(), r.redundant);
   if (r.redundant > 0) {
     EXPECT_LT((G.transpose() * Z).cwiseAbs().maxCoeff(), 1e-9);
