@@ -13,6 +13,11 @@ constexpr double kSurelyZero = 1e-10;
 constexpr double kConfidentGap = 1e4;
 constexpr double kLargestGap = 1e16;
 constexpr double kWornPivot = 1e-3;
+constexpr double kBlurred = 10;             // a misclosure ε hides singular values up to 10 ε/size
+constexpr double kNoMisclosure = 1e-11;     // relative to size: hides nothing that is not zero already
+constexpr double kSureMisclosure = 1e-8;    // too large to be the rounding of input in double precision
+constexpr double kTraceOfMisclosure = .01;  // the least singular value, over ε/size, that may come from ε
+constexpr double kHealthyPivot = 1e-3;
 
 double gap_between(double upper, double lower) { return lower <= upper / kLargestGap ? kLargestGap : upper / lower; }
 
@@ -24,7 +29,7 @@ Eigen::JacobiSVD<Eigen::MatrixXd> decompose(const Eigen::MatrixXd& A) {
 
 }  // namespace
 
-RankDecision decide_rank(Eigen::VectorXd singular_values, double scale) {
+RankDecision decide_rank(Eigen::VectorXd singular_values, double scale, double blur) {
   RankDecision d;
   d.singular_values = std::move(singular_values);
   const Eigen::VectorXd& s = d.singular_values;
@@ -35,14 +40,18 @@ RankDecision decide_rank(Eigen::VectorXd singular_values, double scale) {
     d.full = n == 0;
     return d;
   }
-  int sure = 0;  // surely nonzero
-  while (sure < n && s[sure] > kSurelyNonzero * scale) ++sure;
-  int possible = sure;  // not surely zero
-  while (possible < n && s[possible] > kSurelyZero * scale) ++possible;
+  const double hidden = kBlurred * blur;  // values below may be the misclosure's alone
+  const auto count_above = [&](double bound) {
+    int count = 0;
+    while (count < n && s[count] > bound * scale) ++count;
+    return count;
+  };
+  const int sure = count_above(std::max(kSurelyNonzero, kConfidentGap * hidden));
+  const int possible = std::max(sure, count_above(std::max(kSurelyZero, blur)));
   // Cut where the ratio of neighbours is widest; the ends count against the bounds themselves.
   const auto value = [&](int i) {
     if (i < 0) return scale;
-    return i < n ? std::max(s[i], scale / kLargestGap) : kSurelyZero * scale;
+    return i < n ? std::max(s[i], scale / kLargestGap) : std::max(kSurelyZero, blur) * scale;
   };
   d.rank = sure;
   double widest = 0, second = 0;
@@ -60,26 +69,48 @@ RankDecision decide_rank(Eigen::VectorXd singular_values, double scale) {
     }
   }
   d.full = d.rank == n;
-  if (!d.full) d.gap = d.rank > 0 ? gap_between(s[d.rank - 1], s[d.rank]) : gap_between(scale, s[0]);
-  d.confident = possible == sure && d.gap >= kConfidentGap;
-  d.other_rank = d.confident ? d.rank : runner_up;
+  if (!d.full) {
+    const double lower = std::max(s[d.rank], hidden * scale);
+    d.gap = gap_between(d.rank > 0 ? s[d.rank - 1] : std::max(scale, lower), lower);
+  }
+  const bool nothing_between = d.rank == sure && count_above(std::max(kSurelyZero, hidden)) <= sure;
+  const bool trace = !d.full && judge_misclosure(blur) == Misclosure::kDoubtful;
+  d.confident = nothing_between && d.gap >= kConfidentGap && !trace;
+  d.other_rank = d.rank;
+  if (d.confident) return d;
+  if (runner_up != d.rank) {
+    d.other_rank = runner_up;
+  } else if (!d.full) {  // what seems zero is what the misclosure left of it
+    d.other_rank = std::min(n, std::max(d.rank + 1, count_above(kTraceOfMisclosure * blur)));
+  } else {
+    d.other_rank = d.rank - 1;
+  }
   return d;
+}
+
+Misclosure judge_misclosure(double blur) {
+  if (!(blur > kNoMisclosure)) return Misclosure::kNone;
+  return blur > kSureMisclosure ? Misclosure::kSure : Misclosure::kDoubtful;
 }
 
 bool is_negligible(double value, double scale) {
   return std::abs(value) <= std::sqrt(kSurelyZero * kSurelyNonzero) * scale;
 }
 
+bool is_surely_zero(double value, double blur) { return std::abs(value) <= 0.1 * std::max(kSurelyZero, blur); }
+
+bool is_healthy_pivot(double value) { return std::abs(value) >= kHealthyPivot; }
+
 bool is_worn_pivot(double pivot, double healthy) { return !(std::abs(pivot) > kWornPivot * std::abs(healthy)); }
 
-RankAnalysis analyze_rank(const Eigen::MatrixXd& A, double scale) {
+RankAnalysis analyze_rank(const Eigen::MatrixXd& A, double scale, double blur) {
   const int m = static_cast<int>(A.rows()), n = static_cast<int>(A.cols());
   if (m == 0 || n == 0) {
     return {decide_rank(Eigen::VectorXd()), Eigen::MatrixXd::Identity(m, m), Eigen::MatrixXd::Identity(n, n)};
   }
   const auto svd = decompose(A);
   RankAnalysis out;
-  out.decision = decide_rank(svd.singularValues(), scale);
+  out.decision = decide_rank(svd.singularValues(), scale, blur);
   const int r = out.decision.rank;
   out.left_null = svd.matrixU().rightCols(m - r);
   out.right_null = svd.matrixV().rightCols(n - r);

@@ -10,8 +10,10 @@
 /// Decision: with σ_1 ≥ σ_2 ≥ …, values above 1e-5·scale are surely nonzero and values below 1e-10·scale surely zero;
 /// the rank is cut in the widest gap of what lies between. It is *confident* when nothing lies between and the gap
 /// σ_r/σ_{r+1} is at least 1e4. The scale is σ_1 unless the caller knows a better one.
-/// The matrix must be taken at an assembled configuration: off the manifold by ε a redundant row shows a singular value
-/// of about ε.
+/// Off the manifold by ε a redundant row shows a singular value of about ε. Where geometry does not close exactly, that
+/// is told as the `blur` β = ε/size: values up to 10 β·scale then say nothing, and the gap must be as wide above them.
+/// A misclosure between 1e-11 and 1e-8 of the size may be meant (contradictory geometry, hence rigid) or the trace of
+/// rounded input (a redundancy): there no zero is confident.
 namespace ferrers {
 
 struct RankDecision {
@@ -24,10 +26,24 @@ struct RankDecision {
 };
 
 /// Decides from singular values alone (descending). `scale` ≤ 0: the largest of them.
-RankDecision decide_rank(Eigen::VectorXd singular_values, double scale = 0);
+/// `blur` ≥ 0: residual of the closure divided by the model's size, where the matrix was taken.
+RankDecision decide_rank(Eigen::VectorXd singular_values, double scale = 0, double blur = 0);
+
+/// How a misclosure that no displacement removes is to be read, given relative to the model's size.
+enum class Misclosure {
+  kNone,      ///< Rounding: the geometry closes.
+  kDoubtful,  ///< Either closed but for rounded input, or contradictory.
+  kSure,      ///< Contradictory.
+};
+Misclosure judge_misclosure(double blur);
 
 /// True when |value| is zero beside `scale`, by the rule that rank decisions use.
 bool is_negligible(double value, double scale);
+
+/// For eliminations that decide what is clear and leave the rest: zero by the rule of `decide_rank` with a margin of
+/// ten, in a matrix scaled to one; and far enough from zero to be divided by.
+bool is_surely_zero(double value, double blur = 0);
+bool is_healthy_pivot(double value);
 
 /// True when a pivot that was healthy when rows and columns were chosen has become too small to go on with that choice.
 bool is_worn_pivot(double pivot, double healthy);
@@ -38,7 +54,7 @@ struct RankAnalysis {
   Eigen::MatrixXd left_null;   ///< m × (m − r), orthonormal: A^T left_null = 0.
   Eigen::MatrixXd right_null;  ///< n × (n − r), orthonormal: A right_null = 0.
 };
-RankAnalysis analyze_rank(const Eigen::MatrixXd& A, double scale = 0);
+RankAnalysis analyze_rank(const Eigen::MatrixXd& A, double scale = 0, double blur = 0);
 
 /// The same with the rank given (decided on more than this matrix).
 RankAnalysis split_by_rank(const Eigen::MatrixXd& A, int rank);

@@ -115,6 +115,52 @@ TEST(RankTest, NoiseBesideAKnownScaleIsZero) {
   EXPECT_EQ(decide_rank(values({1e-14, 1e-15})).rank, 2);  // without it, it is a small matrix
 }
 
+TEST(RankTest, AMisclosureHidesWhatIsNotLargerThanIt) {
+  const RankDecision sharp = decide_rank(values({1, 0.3, 2e-5}));
+  EXPECT_EQ(sharp.rank, 3);
+  EXPECT_TRUE(sharp.confident);
+  const RankDecision blurred = decide_rank(values({1, 0.3, 2e-7}), 0, 5e-7);
+  EXPECT_EQ(blurred.rank, 2);
+  EXPECT_TRUE(blurred.confident);
+  EXPECT_NEAR(blurred.gap / (0.3 / 5e-6), 1, 1e-12);  // above what the misclosure hides, not above 2e-7
+  const RankDecision near_it = decide_rank(values({1, 0.3, 2e-5}), 0, 5e-7);
+  EXPECT_FALSE(near_it.confident);
+  EXPECT_NE(near_it.rank, near_it.other_rank);
+  const RankDecision coarse = decide_rank(values({1, 0.3, 2e-3}), 0, 5e-3);
+  EXPECT_EQ(coarse.rank, 2);
+  EXPECT_FALSE(coarse.confident);
+  EXPECT_NE(coarse.rank, coarse.other_rank);
+}
+
+TEST(RankTest, AMisclosureThatMayBeRoundedInputLeavesEveryZeroInDoubt) {
+  for (const double blur : {2e-11, 1e-10, 1e-9, 9e-9}) {
+    const RankDecision d = decide_rank(values({1, 0.3, 0.4 * blur}), 0, blur);
+    EXPECT_EQ(d.rank, 2) << blur;
+    EXPECT_FALSE(d.confident) << blur;
+    EXPECT_EQ(d.other_rank, 3) << blur;
+    const RankDecision full = decide_rank(values({1, 0.3, 0.1}), 0, blur);
+    EXPECT_EQ(full.rank, 3) << blur;
+    EXPECT_TRUE(full.confident) << blur;
+  }
+  EXPECT_TRUE(decide_rank(values({1, 0.3, 1e-12}), 0, 5e-12).confident);
+  EXPECT_EQ(judge_misclosure(0), Misclosure::kNone);
+  EXPECT_EQ(judge_misclosure(5e-12), Misclosure::kNone);
+  EXPECT_EQ(judge_misclosure(5e-11), Misclosure::kDoubtful);
+  EXPECT_EQ(judge_misclosure(5e-8), Misclosure::kSure);
+}
+
+TEST(RankTest, DecisionsAreTheSameWithAMisclosureOfRounding) {
+  RandomSource random(7);
+  for (int i = 0; i < 500; ++i) {
+    VectorXd s(1 + random.below(8));
+    for (double& value : s) value = std::pow(10.0, random.between(-16, 0));
+    std::sort(s.data(), s.data() + s.size(), std::greater<>());
+    const RankDecision a = decide_rank(s, 1.0), b = decide_rank(s, 1.0, 1e-15);
+    EXPECT_EQ(a.rank, b.rank);
+    EXPECT_EQ(a.confident, b.confident);
+  }
+}
+
 TEST(RankTest, DecisionsDoNotDependOnTheUnit) {
   for (const double unit : {1e-6, 1.0, 1e6}) {
     const RankDecision d = decide_rank(unit * values({2, 1, 1e-3, 1e-7, 1e-12}));
