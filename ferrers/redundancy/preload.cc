@@ -1,0 +1,75 @@
+#include "ferrers/redundancy/preload.h"
+
+#include <Eigen/QR>
+
+#include "ferrers/core/checks.h"
+
+namespace ferrers {
+namespace {
+
+// Columns that span the same self-stresses, orthonormal in scaled units.
+MatrixXd orthonormal_self_stresses(const RedundancyReport& report) {
+  const VectorXd& scale = report.rows.scale;
+  const MatrixXd Z(report.self_stresses);
+  if (Z.cols() == 0) return Z;
+  const Eigen::HouseholderQR<MatrixXd> qr(scale.cwiseInverse().asDiagonal() * Z);
+  return scale.asDiagonal() * (qr.householderQ() * MatrixXd::Identity(Z.rows(), Z.cols()));
+}
+
+// What misalignment and the residual add to phi, on all rows; whether there is a residual to speak of.
+VectorXd displacement_of_rows(const AllRows& rows, const std::vector<ComponentMap>& maps, const JointSprings& springs,
+                              const Scaling& scaling, const VectorXd& closure_residual, bool& open) {
+  VectorXd delta = misalignment_of_rows(rows, maps, springs);
+  open = closure_residual.size() > 0 &&
+         closure_residual.cwiseProduct(scaling.rows).lpNorm<Eigen::Infinity>() > closed_tolerance(scaling);
+  for (int r = 0; open && r < rows.size(); ++r) {
+    if (rows.closure_row[r] >= 0) delta[r] += closure_residual[rows.closure_row[r]];
+  }
+  return delta;
+}
+
+std::string name_of(const Model& model, int joint_or_coupling) {
+  const auto j = static_cast<std::size_t>(joint_or_coupling), joints = model.joints().size();
+  return j < joints ? model.joints()[j].name : model.couplings()[j - joints].name;
+}
+
+}  // namespace
+
+PreloadReport analyze_preload(const System& system, const State& state, const RedundancyReport& report,
+                              const VectorXd& closure_residual) {
+  if (closure_residual.size() > 0) require_size(closure_residual.size(), system.m, "analyze_preload: closure_residual");
+  PreloadReport out;
+  const Scaling scaling = make_scaling(system);
+  const AllRows& rows = report.rows;
+  const JointSprings springs = make_joint_springs(system, DistributionBy::kJointStiffness, scaling.length_m);
+  PositionKinematics pos = make_position_kinematics(system);
+  compute_positions(system, state.q, pos);
+  const std::vector<ComponentMap> maps =
+      compute_component_maps(system, compute_joint_frame_wrenches(system, state, pos));
+  bool open = false;
+  const VectorXd delta = displacement_of_rows(rows, maps, springs, scaling, closure_residual, open);
+  if (!springs.any && !open) return out;
+
+  const MatrixXd Z = orthonormal_self_stresses(report);
+  const ForceMethod method = make_force_method(rows, maps, springs, Z, scaling.length_m);
+  const DistributionResult result = solve_distribution(method, rows, maps, VectorXd::Zero(rows.size()), delta);
+  out.status = result.consistent ? PreloadStatus::kSolved : PreloadStatus::kContradictory;
+  out.confident = method.decision.confident;
+  for (const int j : result.contradictory) out.contradictory.push_back(name_of(*system.model, j));
+  for (std::size_t j = 0; j < maps.size(); ++j) {
+    JointPreload& joint = out.joints.emplace_back();
+    joint.joint = system.model->joints()[j].name;
+    const Eigen::Ref<const MatrixXd> all = Z.middleRows(rows.first[j], rows.count[j]);
+    const Eigen::Ref<const MatrixXd> free = method.remaining.middleRows(rows.first[j], rows.count[j]);
+    for (int k = 0; k < 6; ++k) {
+      const double unit = k < 3 ? 1.0 : scaling.length_m;
+      joint.status[k] = judge_component(maps[j].row(k), unit, all, result.consistent ? &free : nullptr);
+      if (joint.status[k] == ReactionStatus::kDistributed) {
+        joint.value[k] = maps[j].row(k).dot(result.lambda.segment(rows.first[j], rows.count[j]));
+      }
+    }
+  }
+  return out;
+}
+
+}  // namespace ferrers
