@@ -108,16 +108,6 @@ void add_coupling_efforts(const System& system, const PositionKinematics& pos,
   }
 }
 
-// The part of a tree joint's wrench (on its second body, at p_M) that its rows carry: least squares with moments over
-// L.
-MatrixXd constraint_part(const JointFrameWrenches& joint, const Wrenches& w, double length) {
-  Eigen::Matrix<double, 6, 1> weight;
-  weight << Vector3d::Constant(1 / (length * length)), Vector3d::Ones();
-  const MatrixXd weighted = joint.T.transpose() * weight.asDiagonal();
-  const MatrixXd normal = weighted * joint.T;
-  return normal.ldlt().solve(weighted * w);
-}
-
 // What a tree joint gives to its second body, at p_M, so that the outboard side is in balance; without its efforts.
 Wrenches tree_joint_wrench(const System& system, int index, const PositionKinematics& pos,
                            const JointFrameWrenches& joint, const Loads& loads) {
@@ -133,6 +123,14 @@ Wrenches tree_joint_wrench(const System& system, int index, const PositionKinema
 }
 
 }  // namespace
+
+MatrixXd constraint_part(const JointFrameWrenches& joint, const Wrenches& w, double length_m) {
+  Eigen::Matrix<double, 6, 1> weight;
+  weight << Vector3d::Constant(1 / (length_m * length_m)), Vector3d::Ones();
+  const MatrixXd weighted = joint.T.transpose() * weight.asDiagonal();
+  const MatrixXd normal = weighted * joint.T;
+  return normal.ldlt().solve(weighted * w);
+}
 
 MatrixXd distribute_to_joints(const System& system, const AllRows& rows, const Scaling& scaling,
                               const PositionKinematics& pos, const std::vector<JointFrameWrenches>& joints,

@@ -52,6 +52,10 @@ Loads make_loads(const System& system, int cases);
 void add_wrench(const PositionKinematics& pos, int node, const Vector3d& p, const Eigen::Ref<const Wrenches>& w,
                 double scale, std::vector<Wrenches>& on_nodes);
 
+/// The part of a tree joint's wrenches (on its second body, at p_M) that its rows carry: least squares with moments
+/// over `length`. Shape: rows × cases.
+MatrixXd constraint_part(const JointFrameWrenches& joint, const Wrenches& w, double length_m);
+
 /// Multipliers of all rows that balance the loads: AllRows::size() × k. Uses up `loads`.
 MatrixXd distribute_to_joints(const System& system, const AllRows& rows, const Scaling& scaling,
                               const PositionKinematics& pos, const std::vector<JointFrameWrenches>& joints,

@@ -93,6 +93,11 @@ Misclosure judge_misclosure(double blur) {
   return blur > kSureMisclosure ? Misclosure::kSure : Misclosure::kDoubtful;
 }
 
+Eigen::VectorXd compute_singular_values(const Eigen::MatrixXd& A) {
+  if (A.size() == 0) return Eigen::VectorXd::Zero(0);
+  return Eigen::JacobiSVD<Eigen::MatrixXd>(A).singularValues();
+}
+
 bool is_negligible(double value, double scale) {
   return std::abs(value) <= std::sqrt(kSurelyZero * kSurelyNonzero) * scale;
 }

@@ -37,6 +37,9 @@ enum class Misclosure {
 };
 Misclosure judge_misclosure(double blur);
 
+/// All singular values, descending. Cost: O(m n min(m, n)).
+Eigen::VectorXd compute_singular_values(const Eigen::MatrixXd& A);
+
 /// True when |value| is zero beside `scale`, by the rule that rank decisions use.
 bool is_negligible(double value, double scale);
 

@@ -3,152 +3,170 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+
+#include "ferrers/kinematics/self_stress.h"
+#include "ferrers/math/sparse_basis.h"
+#include "ferrers/redundancy/cluster_rank.h"
+#include "ferrers/redundancy/selection.h"
 
 namespace ferrers {
 namespace {
 
-// The scaled Jacobian of one cluster, and where its rows and columns stand in the whole.
-struct Block {
-  std::vector<int> rows, columns;
-  MatrixXd G;
-  RankAnalysis analysis;
-  int rank = 0;
+// Self-stresses while they are collected: over all rows, in scaled units.
+struct Collected {
+  std::vector<Eigen::Triplet<double>> entries;
+  std::vector<SelfStress> places;
 };
 
-std::vector<Block> cut_into_blocks(const System& system, const Scaling& scaling, const RowMatrixXd& G) {
-  std::vector<Block> blocks;
-  for (const Cluster& cluster : system.topology->clusters) {
-    Block block;
-    for (const int c : cluster.closures) {
-      const Closure& closure = system.topology->closures[c];
-      for (int i = 0; i < closure.row_count; ++i) block.rows.push_back(closure.row + i);
+SparseRows closure_rows(const ClusterRank& cluster, const Scaling& scaling, const SparseRank::SparseVector& vector) {
+  SparseRows rows;
+  for (const auto& [local, value] : vector) {
+    const int row = cluster.rows[local];
+    if (value != 0) rows.emplace_back(row, value * scaling.rows[row]);
+  }
+  return rows;
+}
+
+std::vector<int> sorted_unique(std::vector<int> values) {
+  std::sort(values.begin(), values.end());
+  values.erase(std::unique(values.begin(), values.end()), values.end());
+  return values;
+}
+
+// One group of self-stresses, found on the same loops: as many zeros as can be had, and who is loaded.
+class GroupWriter {
+ public:
+  GroupWriter(const System& system, const AllRows& rows, Collected& out) : rows_(rows), out_(out) {
+    int loop = 0;
+    for (const Closure& closure : system.topology->closures) {
+      closure_of_row_.insert(closure_of_row_.end(), static_cast<std::size_t>(closure.row_count), loop++);
     }
-    for (const int n : cluster.nodes) {
-      for (int k = 0; k < system.nodes[n].nv; ++k) block.columns.push_back(system.nodes[n].v + k);
+    for (std::size_t j = 0; j < rows.count.size(); ++j) {
+      joint_of_row_.insert(joint_of_row_.end(), static_cast<std::size_t>(rows.count[j]), static_cast<int>(j));
     }
-    std::sort(block.columns.begin(), block.columns.end());
-    block.G.resize(static_cast<int>(block.rows.size()), static_cast<int>(block.columns.size()));
-    for (int i = 0; i < block.G.rows(); ++i) {
-      for (int k = 0; k < block.G.cols(); ++k) {
-        block.G(i, k) =
-            G(block.rows[i], block.columns[k]) * scaling.rows[block.rows[i]] * scaling.columns[block.columns[k]];
+  }
+
+  void write(int cluster, const std::vector<SparseRows>& stresses) {
+    std::vector<int> used;
+    for (const SparseRows& stress : stresses) {
+      for (const auto& [row, value] : stress) used.push_back(row);
+    }
+    used = sorted_unique(std::move(used));
+    MatrixXd Z = MatrixXd::Zero(static_cast<long>(used.size()), static_cast<long>(stresses.size()));
+    for (std::size_t k = 0; k < stresses.size(); ++k) {
+      for (const auto& [row, value] : stresses[k]) {
+        const auto at = std::lower_bound(used.begin(), used.end(), row) - used.begin();
+        Z(at, static_cast<long>(k)) = value / rows_.scale[row];
       }
     }
-    blocks.push_back(std::move(block));
+    const Eigen::HouseholderQR<MatrixXd> qr(Z);
+    const MatrixXd basis = make_sparse_basis(qr.householderQ() * MatrixXd::Identity(Z.rows(), Z.cols()));
+    for (long k = 0; k < basis.cols(); ++k) add(cluster, used, basis.col(k));
   }
-  return blocks;
-}
 
-// One decision over the singular values of all clusters; each block then keeps those above the common cut.
-RankDecision decide_blocks(std::vector<Block>& blocks) {
-  std::vector<double> all;
-  for (Block& block : blocks) {
-    block.analysis = analyze_rank(block.G, 1.0);
-    const VectorXd& s = block.analysis.decision.singular_values;
-    all.insert(all.end(), s.data(), s.data() + s.size());
-  }
-  std::sort(all.begin(), all.end(), std::greater<>());
-  VectorXd values = Eigen::Map<const VectorXd>(all.data(), static_cast<long>(all.size()));
-  const double scale = std::max(1.0, all.empty() ? 0.0 : all.front());
-  RankDecision decision = decide_rank(values, scale);
-  const double smallest_kept = decision.rank > 0 ? values[decision.rank - 1] : INFINITY;
-  for (Block& block : blocks) {
-    const VectorXd& s = block.analysis.decision.singular_values;
-    block.rank = static_cast<int>(std::count_if(s.begin(), s.end(), [&](double v) { return v >= smallest_kept; }));
-    if (block.rank != block.analysis.decision.rank) block.analysis = split_by_rank(block.G, block.rank);
-  }
-  return decision;
-}
-
-double smallest_pivot(const MatrixXd& block) {
-  if (block.size() == 0) return 1;
-  // not a rank decision: the size of the last pivot is wanted
-  const Eigen::FullPivHouseholderQR<MatrixXd> qr(block);
-  return std::abs(qr.matrixQR()(block.rows() - 1, block.cols() - 1));
-}
-
-// Rows first, then the coordinates that those rows determine best.
-void choose_in_block(const Block& block, Selection& out, std::vector<bool>& is_dependent) {
-  const std::vector<int> rows = choose_independent_rows(block.G, block.rank);
-  MatrixXd kept(block.rank, block.G.cols());
-  for (int i = 0; i < block.rank; ++i) kept.row(i) = block.G.row(rows[i]);
-  const std::vector<int> columns = choose_independent_columns(kept, block.rank);
-  MatrixXd pivot(block.rank, block.rank);
-  for (int i = 0; i < block.rank; ++i) {
-    pivot.col(i) = kept.col(columns[i]);
-    out.rows.push_back(block.rows[rows[i]]);
-    is_dependent[block.columns[columns[i]]] = true;
-  }
-  out.smallest_pivot = std::min(out.smallest_pivot, smallest_pivot(pivot));
-}
-
-Selection choose(const System& system, const std::vector<Block>& blocks) {
-  Selection out;
-  std::vector<bool> is_dependent(system.nv, false);
-  for (const Block& block : blocks) choose_in_block(block, out, is_dependent);
-  std::sort(out.rows.begin(), out.rows.end());
-  for (int v = 0; v < system.nv; ++v) (is_dependent[v] ? out.dependent : out.independent).push_back(v);
-  return out;
-}
-
-// Self-stresses over all joints' rows from those of the closure rows, orthonormal in scaled units.
-MatrixXd extend_self_stresses(const System& system, const Scaling& scaling, const State& state, const AllRows& rows,
-                              const std::vector<Block>& blocks) {
-  int count = 0;
-  for (const Block& block : blocks) count += static_cast<int>(block.analysis.left_null.cols());
-  MatrixXd closure_part = MatrixXd::Zero(system.m, count);
-  for (int column = 0; const Block& block : blocks) {
-    const MatrixXd& null = block.analysis.left_null;
-    for (std::size_t i = 0; i < block.rows.size(); ++i) {
-      const int row = block.rows[i];
-      closure_part.row(row).segment(column, null.cols()) = scaling.rows[row] * null.row(static_cast<int>(i));
+ private:
+  void add(int cluster, const std::vector<int>& used, const VectorXd& vector) {
+    SelfStress place{cluster, {}, {}};
+    const int column = static_cast<int>(out_.places.size());
+    // The largest entry is positive, so that the same stress is always told the same way.
+    long largest = 0;
+    vector.cwiseAbs().maxCoeff(&largest);
+    const double sign = vector[largest] < 0 ? -1 : 1;
+    for (std::size_t i = 0; i < used.size(); ++i) {
+      const double value = vector[static_cast<long>(i)];
+      if (is_negligible(value, 1.0)) continue;
+      out_.entries.emplace_back(used[i], column, sign * value * rows_.scale[used[i]]);
+      place.joints.push_back(joint_of_row_[used[i]]);
+      if (const int row = rows_.closure_row[used[i]]; row >= 0) place.closures.push_back(closure_of_row_[row]);
     }
-    column += static_cast<int>(null.cols());
+    place.joints = sorted_unique(std::move(place.joints));
+    place.closures = sorted_unique(std::move(place.closures));
+    out_.places.push_back(std::move(place));
   }
+
+  const AllRows& rows_;
+  Collected& out_;
+  std::vector<int> closure_of_row_, joint_of_row_;
+};
+
+void collect_self_stresses(const System& system, const Scaling& scaling, const State& state,
+                           const ClusterDecision& decision, RedundancyReport& report) {
   PositionKinematics pos = make_position_kinematics(system);
   compute_positions(system, state.q, pos);
-  return complete_self_stresses(system, scaling, rows, pos, compute_joint_frame_wrenches(system, state, pos),
-                                closure_part);
+  const std::vector<JointFrameWrenches> joints = compute_joint_frame_wrenches(system, state, pos);
+  SelfStressExtender extender(system, scaling, report.rows, pos, joints);
+  Collected out;
+  GroupWriter writer(system, report.rows, out);
+  for (std::size_t c = 0; c < decision.clusters.size(); ++c) {
+    const ClusterRank& cluster = decision.clusters[c];
+    for (const SparseRank::NullGroup& group : cluster.elimination.left_null()) {
+      std::vector<SparseRows> stresses;
+      for (const SparseRank::SparseVector& vector : group.vectors) {
+        stresses.push_back(extender.extend(closure_rows(cluster, scaling, vector)));
+      }
+      writer.write(static_cast<int>(c), stresses);
+    }
+  }
+  report.self_stresses.resize(report.rows.size(), static_cast<long>(out.places.size()));
+  report.self_stresses.setFromTriplets(out.entries.begin(), out.entries.end());
+  report.self_stress_places = std::move(out.places);
 }
 
-std::vector<ReactionUniqueness> judge_reactions(const System& system, const AllRows& rows, const MatrixXd& Z) {
+// How far the geometry contradicts itself: what the residual does on each self-stress of the closure rows.
+double largest_contradiction(const Scaling& scaling, const ClusterDecision& decision, const VectorXd& phi) {
+  double largest = 0;
+  for (const ClusterRank& cluster : decision.clusters) {
+    for (const SparseRank::NullGroup& group : cluster.elimination.left_null()) {
+      for (const SparseRank::SparseVector& vector : group.vectors) {
+        double work = 0;
+        for (const auto& [local, value] : vector) {
+          work += value * phi[cluster.rows[local]] * scaling.rows[cluster.rows[local]];
+        }
+        largest = std::max(largest, std::abs(work));
+      }
+    }
+  }
+  return largest;
+}
+
+// Z_joint in scaled units, on the self-stresses that load the joint.
+MatrixXd joint_block(const Eigen::SparseMatrix<double, Eigen::RowMajor>& Z, const AllRows& rows, std::size_t joint) {
+  std::vector<int> columns;
+  using Iterator = Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator;
+  const int first = rows.first[joint], count = rows.count[joint];
+  for (int i = 0; i < count; ++i) {
+    for (Iterator it(Z, first + i); it; ++it) columns.push_back(static_cast<int>(it.col()));
+  }
+  columns = sorted_unique(std::move(columns));
+  MatrixXd block = MatrixXd::Zero(count, static_cast<long>(columns.size()));
+  for (int i = 0; i < count; ++i) {
+    for (Iterator it(Z, first + i); it; ++it) {
+      const auto at = std::lower_bound(columns.begin(), columns.end(), static_cast<int>(it.col())) - columns.begin();
+      block(i, at) = it.value() / rows.scale[first + i];
+    }
+  }
+  return block;
+}
+
+std::vector<ReactionUniqueness> judge_reactions(const System& system, const AllRows& rows, const SparseMatrixXd& Z) {
   std::vector<ReactionUniqueness> out;
   const Model& model = *system.model;
-  const MatrixXd scaled = rows.scale.cwiseInverse().asDiagonal() * Z;
+  const Eigen::SparseMatrix<double, Eigen::RowMajor> by_row = Z;
   for (std::size_t j = 0; j < rows.first.size(); ++j) {
     ReactionUniqueness r;
     const bool joint = j < model.joints().size();
     r.joint = joint ? model.joints()[j].name : model.couplings()[j - model.joints().size()].name;
     r.rows = rows.count[j];
-    const MatrixXd block = scaled.middleRows(rows.first[j], rows.count[j]);
+    const MatrixXd block = joint_block(by_row, rows, j);
     for (int i = 0; i < r.rows; ++i) {
       r.unique.push_back(is_negligible(block.row(i).norm(), 1.0));
       r.participates = r.participates || !r.unique.back();
     }
-    r.unique_dimension = r.rows - analyze_rank(block, 1.0).decision.rank;
+    r.unique_basis = block.cols() == 0 ? MatrixXd::Identity(r.rows, r.rows) : analyze_rank(block, 1.0).left_null;
+    r.unique_dimension = static_cast<int>(r.unique_basis.cols());
     out.push_back(std::move(r));
   }
   return out;
-}
-
-ConstraintKinematics constraints_at_rest(const System& system, const State& state) {
-  PositionKinematics pos = make_position_kinematics(system);
-  compute_positions(system, state.q, pos);
-  ConstraintKinematics constraints = make_constraint_kinematics(system);
-  compute_constraints(system, state, pos, make_velocity_kinematics(system), constraints);
-  return constraints;
-}
-
-double largest_contradiction(const Scaling& scaling, const std::vector<Block>& blocks, const VectorXd& phi) {
-  double largest = 0;
-  for (const Block& block : blocks) {
-    VectorXd scaled(static_cast<long>(block.rows.size()));
-    for (long i = 0; i < scaled.size(); ++i) scaled[i] = phi[block.rows[i]] * scaling.rows[block.rows[i]];
-    if (block.analysis.left_null.cols() == 0) continue;
-    largest = std::max(largest, (block.analysis.left_null.transpose() * scaled).cwiseAbs().maxCoeff());
-  }
-  return largest;
 }
 
 void fill_counts(const System& system, RedundancyReport& report) {
@@ -180,46 +198,6 @@ MatrixXd complete_self_stresses(const System& system, const Scaling& scaling, co
   return rows.scale.asDiagonal() * basis;
 }
 
-MatrixXd self_stresses_of_selection(const System& system, const Selection& selection, const RowMatrixXd& G) {
-  const int r = static_cast<int>(selection.rows.size());
-  const std::vector<int> excluded = selection.excluded_rows(system.m);
-  MatrixXd Z = MatrixXd::Zero(system.m, static_cast<long>(excluded.size()));
-  for (std::size_t e = 0; e < excluded.size(); ++e) Z(excluded[e], static_cast<long>(e)) = 1;
-  if (r == 0 || excluded.empty()) return Z;
-  const MatrixXd G_d = G(selection.rows, selection.dependent), G_e = G(excluded, selection.dependent);
-  // G_e = C G_d, so that y_e = 1 is balanced by y_r = −Cᵀ.
-  const MatrixXd C_transposed = G_d.transpose().partialPivLu().solve(G_e.transpose());
-  for (int i = 0; i < r; ++i) Z.row(selection.rows[i]) = -C_transposed.row(i);
-  return Z;
-}
-
-std::vector<int> Selection::excluded_rows(int m) const {
-  std::vector<int> excluded;
-  for (int row = 0; row < m; ++row) {
-    if (!std::binary_search(rows.begin(), rows.end(), row)) excluded.push_back(row);
-  }
-  return excluded;
-}
-
-Selection select_independent(const System& system, const Scaling& scaling, const ConstraintKinematics& constraints,
-                             RankDecision* decision) {
-  std::vector<Block> blocks = cut_into_blocks(system, scaling, constraints.G);
-  const RankDecision d = decide_blocks(blocks);
-  if (decision) *decision = d;
-  return choose(system, blocks);
-}
-
-Selection reselect(const System& system, const Scaling& scaling, const ConstraintKinematics& constraints,
-                   const Selection& previous) {
-  std::vector<Block> blocks = cut_into_blocks(system, scaling, constraints.G);
-  for (Block& block : blocks) {
-    block.rank = static_cast<int>(std::count_if(previous.rows.begin(), previous.rows.end(), [&](int row) {
-      return std::find(block.rows.begin(), block.rows.end(), row) != block.rows.end();
-    }));
-  }
-  return choose(system, blocks);
-}
-
 bool is_unique_component(const Eigen::Matrix<double, 6, 1>& direction, const JointFrameWrenches& joint,
                          const Eigen::Ref<const MatrixXd>& Z_joint, double length_m) {
   if (Z_joint.cols() == 0 || Z_joint.rows() == 0) return true;
@@ -229,14 +207,15 @@ bool is_unique_component(const Eigen::Matrix<double, 6, 1>& direction, const Joi
   return is_negligible(work.norm() / unit, 1.0);
 }
 
-RedundancyReport analyze_redundancy(const System& system, const State& state) {
+RedundancyReport analyze_redundancy(const System& system, const State& state, const AnalysisOptions& options) {
   RedundancyReport report;
   const Scaling scaling = make_scaling(system);
-  const ConstraintKinematics constraints = constraints_at_rest(system, state);
-  std::vector<Block> blocks = cut_into_blocks(system, scaling, constraints.G);
-  report.decision = decide_blocks(blocks);
+  const ConstraintBlocks blocks = compute_constraint_blocks(system, state);
+  const ClusterDecision decision = decide_clusters(system, scaling, blocks, options.blur);
+  report.decision = decision.decision;
+  report.exact_values = decision.exact;
   report.characteristic_length_m = scaling.length_m;
-  report.selection = choose(system, blocks);
+  report.selection = select_rows_and_coordinates(system, decision);
   fill_counts(system, report);
   report.excluded_rows = report.selection.excluded_rows(system.m);
   for (const int row : report.excluded_rows) report.excluded_row_names.push_back(system.row_names[row]);
@@ -244,10 +223,9 @@ RedundancyReport analyze_redundancy(const System& system, const State& state) {
     report.independent_coordinate_names.push_back(system.coordinate_names[v]);
   }
   report.rows = make_all_rows(system, scaling);
-  const MatrixXd Z = extend_self_stresses(system, scaling, state, report.rows, blocks);
-  report.self_stresses = Z.sparseView();
-  report.reactions = judge_reactions(system, report.rows, Z);
-  report.inconsistency = largest_contradiction(scaling, blocks, constraints.phi);
+  collect_self_stresses(system, scaling, state, decision, report);
+  report.reactions = judge_reactions(system, report.rows, report.self_stresses);
+  report.inconsistency = largest_contradiction(scaling, decision, blocks.phi);
   return report;
 }
 

@@ -16,7 +16,7 @@
 /// rows (G_all^T Z = 0), and from them which reaction components every solution shares: those with a zero row in Z. The
 /// unique part of a joint's wrench has dimension rows − rank(Z_joint), in any axes.
 /// Once decided, evaluation uses the `Selection` only and compares nothing with a tolerance.
-/// Cost: O(Σ over clusters of m n min(m, n)).
+/// Cost: linear in the number of loops where loops are local; O(m n min(m, n)) for a cluster without structure.
 namespace ferrers {
 
 using SparseMatrixXd = Eigen::SparseMatrix<double>;
@@ -30,12 +30,20 @@ struct Selection {
   std::vector<int> excluded_rows(int m) const;  ///< The m − r rows left out, ascending.
 };
 
+/// One independent self-stress: the loads that joints can hold against each other.
+struct SelfStress {
+  int cluster = 0;            ///< Index into `Topology::clusters`.
+  std::vector<int> closures;  ///< Loops that it closes through, indices into `Topology::closures`.
+  std::vector<int> joints;    ///< That it loads; index into `RedundancyReport::reactions`.
+};
+
 /// What every solution shares of one joint's (or coupling's) reaction.
 struct ReactionUniqueness {
   std::string joint;
   int rows = 0;
   std::vector<bool> unique;   ///< Per row.
   int unique_dimension = 0;   ///< rows − rank(Z_joint).
+  MatrixXd unique_basis;      ///< rows × unique_dimension: combinations of the rows (scaled) that are unique.
   bool participates = false;  ///< Some self-stress loads it.
 };
 
@@ -45,18 +53,24 @@ struct RedundancyReport {
       grubler = 0;                                                  ///< Over all joints, 6 velocities a body.
   int closure_coordinates = 0, closure_rows = 0, closure_rank = 0;  ///< n, m, r in tree coordinates.
   RankDecision decision;                                            ///< On the scaled closure Jacobian.
+  bool exact_values = true;  ///< False: some of the decision's values stand in for singular values (large clusters).
   double characteristic_length_m = 1;
   Selection selection;
   std::vector<int> excluded_rows;  ///< Rows of G left out.
   std::vector<std::string> excluded_row_names, independent_coordinate_names;
-  SparseMatrixXd self_stresses;               ///< Z: all rows × redundant; columns of unit norm in scaled units.
-  std::vector<ReactionUniqueness> reactions;  ///< Joints in file order, then couplings.
+  SparseMatrixXd self_stresses;  ///< Z: all rows × redundant; columns of unit norm in scaled units, few entries each.
+  std::vector<SelfStress> self_stress_places;  ///< Per column.
+  std::vector<ReactionUniqueness> reactions;   ///< Joints in file order, then couplings.
   AllRows rows;
   double inconsistency = 0;  ///< Largest |Zᵀ phi|, m: how far the geometry contradicts itself.
 };
 
+struct AnalysisOptions {
+  double blur = 0;  ///< How far the geometry is from closing, over L: blurs the singular values (math/rank.h).
+};
+
 /// Analyses redundancy at `state` (which must be assembled).
-RedundancyReport analyze_redundancy(const System& system, const State& state);
+RedundancyReport analyze_redundancy(const System& system, const State& state, const AnalysisOptions& options = {});
 
 /// Only the rank decision and the selection, for use along a motion. `preferred_independent`: velocity indices to keep
 /// independent where that is well conditioned.

@@ -1,0 +1,73 @@
+#include "ferrers/kinematics/constraint_blocks.h"
+
+#include "ferrers/kinematics/coordinates.h"
+
+namespace ferrers {
+namespace {
+
+ConstraintBlocks make_blocks(const System& system) {
+  ConstraintBlocks out;
+  out.phi = VectorXd::Zero(system.m);
+  for (const Closure& closure : system.topology->closures) {
+    ConstraintBlock block;
+    block.row = closure.row;
+    for (const int n : closure.nodes) {
+      for (int k = 0; k < system.nodes[n].nv; ++k) block.columns.push_back(system.nodes[n].v + k);
+    }
+    block.G = MatrixXd::Zero(closure.row_count, static_cast<long>(block.columns.size()));
+    out.blocks.push_back(std::move(block));
+  }
+  return out;
+}
+
+// Moves the entries of a row from a full-length workspace, which is zero again afterwards.
+void take_row(Eigen::RowVectorXd& whole, int i, ConstraintBlock& block) {
+  for (std::size_t k = 0; k < block.columns.size(); ++k) {
+    block.G(i, static_cast<long>(k)) = whole[block.columns[k]];
+    whole[block.columns[k]] = 0;
+  }
+}
+
+}  // namespace
+
+ConstraintBlocks compute_constraint_blocks(const System& system, const State& state) {
+  ConstraintBlocks out = make_blocks(system);
+  PositionKinematics pos = make_position_kinematics(system);
+  compute_positions(system, state.q, pos);
+  const VelocityKinematics rest = make_velocity_kinematics(system);
+  Eigen::RowVectorXd whole = Eigen::RowVectorXd::Zero(system.nv);
+  Jet jets[6];
+  for (std::size_t c = 0; c < system.cuts.size(); ++c) {
+    const CutJoint& cut = system.cuts[c];
+    const RelativeMotion motion = compute_relative_motion(cut.frames, pos, rest);
+    cut.type->rows(cut.constants, motion, state.winding.data() + cut.winding, jets);
+    for (int i = 0; i < cut.type->row_count(); ++i) {
+      out.phi[cut.row + i] = jets[i].value;
+      add_jet_row(system, cut.frames, pos, jets[i].W, 1, whole);
+      take_row(whole, i, out.blocks[c]);
+    }
+  }
+  for (std::size_t c = 0; c < system.couplings.size(); ++c) {
+    const CouplingRow& coupling = system.couplings[c];
+    for (std::size_t i = 0; i < coupling.coordinates.size(); ++i) {
+      const Jet jet = measure_coordinate(system, coupling.coordinates[i], state, pos, rest);
+      out.phi[coupling.row] += coupling.coefficients[i] * jet.value;
+      add_coordinate_row(system, coupling.coordinates[i], pos, jet, coupling.coefficients[i], whole);
+    }
+    take_row(whole, 0, out.blocks[system.cuts.size() + c]);
+  }
+  return out;
+}
+
+ConstraintBlocks cut_into_blocks(const System& system, const ConstraintKinematics& constraints) {
+  ConstraintBlocks out = make_blocks(system);
+  out.phi = constraints.phi;
+  for (ConstraintBlock& block : out.blocks) {
+    for (std::size_t k = 0; k < block.columns.size(); ++k) {
+      block.G.col(static_cast<long>(k)) = constraints.G.col(block.columns[k]).segment(block.row, block.G.rows());
+    }
+  }
+  return out;
+}
+
+}  // namespace ferrers

@@ -1,0 +1,195 @@
+#include "ferrers/redundancy/selection.h"
+
+#include <Eigen/LU>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+namespace ferrers {
+namespace {
+
+double smallest_pivot(const MatrixXd& block) {
+  if (block.size() == 0) return 1;
+  // not a rank decision: the size of the last pivot is wanted
+  const Eigen::FullPivHouseholderQR<MatrixXd> qr(block);
+  return std::abs(qr.matrixQR()(block.rows() - 1, block.cols() - 1));
+}
+
+// Rows first, then the coordinates that those rows determine best.
+void choose_in_block(const ClusterBlock& block, int rank, Selection& out, std::vector<bool>& is_dependent) {
+  const std::vector<int> rows = choose_independent_rows(block.G, rank);
+  const MatrixXd kept = block.G(rows, Eigen::all);
+  const std::vector<int> columns = choose_independent_columns(kept, rank);
+  for (int i = 0; i < rank; ++i) {
+    out.rows.push_back(block.rows[rows[i]]);
+    is_dependent[block.columns[columns[i]]] = true;
+  }
+  out.smallest_pivot = std::min(out.smallest_pivot, smallest_pivot(kept(Eigen::all, columns)));
+}
+
+// Leaves out one row of each self-stress, group by group: rows on which the group is well conditioned once the groups
+// before it are balanced on theirs.
+class RowExclusion {
+ public:
+  explicit RowExclusion(std::size_t rows) : owner_(rows, -1) {}
+
+  void add(const SparseRank::NullGroup& found) {
+    Group group;
+    for (const SparseRank::SparseVector& vector : found.vectors) group.vectors.push_back(reduced(vector));
+    std::vector<int> rows;
+    for (const Vector& vector : group.vectors) {
+      for (const auto& [row, value] : vector) {
+        if (owner_[row] < 0) rows.push_back(row);
+      }
+    }
+    std::sort(rows.begin(), rows.end());
+    rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
+    const MatrixXd Z = values(group, rows);
+    for (const int i : choose_independent_rows(Z, static_cast<int>(group.vectors.size()))) {
+      group.rows.push_back(rows[i]);
+      owner_[rows[i]] = static_cast<int>(groups_.size());
+    }
+    group.block.compute(values(group, group.rows));
+    groups_.push_back(std::move(group));
+  }
+
+  bool excluded(std::size_t row) const { return owner_[row] >= 0; }
+
+ private:
+  using Vector = std::map<int, double>;
+  struct Group {
+    std::vector<Vector> vectors;
+    std::vector<int> rows;
+    Eigen::PartialPivLU<MatrixXd> block;  ///< Its vectors on its rows.
+  };
+
+  static MatrixXd values(const Group& group, const std::vector<int>& rows) {
+    MatrixXd Z = MatrixXd::Zero(static_cast<long>(rows.size()), static_cast<long>(group.vectors.size()));
+    for (std::size_t k = 0; k < group.vectors.size(); ++k) {
+      for (std::size_t i = 0; i < rows.size(); ++i) {
+        const auto at = group.vectors[k].find(rows[i]);
+        if (at != group.vectors[k].end()) Z(static_cast<long>(i), static_cast<long>(k)) = at->second;
+      }
+    }
+    return Z;
+  }
+
+  // The vector with zeros on all rows that earlier groups leave out.
+  Vector reduced(const SparseRank::SparseVector& vector) const {
+    Vector z(vector.begin(), vector.end());
+    std::set<int> pending;
+    for (const auto& [row, value] : z) {
+      if (owner_[row] >= 0) pending.insert(owner_[row]);
+    }
+    while (!pending.empty()) {
+      const Group& group = groups_[*pending.begin()];
+      pending.erase(pending.begin());
+      VectorXd there(static_cast<long>(group.rows.size()));
+      for (long i = 0; i < there.size(); ++i) there[i] = z[group.rows[i]];
+      const VectorXd share = group.block.solve(there);
+      for (std::size_t k = 0; k < group.vectors.size(); ++k) {
+        for (const auto& [row, value] : group.vectors[k]) {
+          z[row] -= share[static_cast<long>(k)] * value;
+          if (owner_[row] >= 0 && &groups_[owner_[row]] > &group) pending.insert(owner_[row]);
+        }
+      }
+      for (const int row : group.rows) z.erase(row);
+    }
+    return z;
+  }
+
+  std::vector<int> owner_;  ///< Per row: the group that leaves it out, or −1.
+  std::vector<Group> groups_;
+};
+
+void choose_by_elimination(const ClusterRank& cluster, Selection& out, std::vector<bool>& is_dependent) {
+  RowExclusion exclusion(cluster.rows.size());
+  for (const SparseRank::NullGroup& group : cluster.elimination.left_null()) exclusion.add(group);
+  for (std::size_t i = 0; i < cluster.rows.size(); ++i) {
+    if (!exclusion.excluded(i)) out.rows.push_back(cluster.rows[i]);
+  }
+  for (const int column : cluster.columns) is_dependent[column] = true;
+  for (const int column : cluster.elimination.free_columns()) is_dependent[cluster.columns[column]] = false;
+}
+
+void finish(const System& system, const std::vector<bool>& is_dependent, Selection& out) {
+  std::sort(out.rows.begin(), out.rows.end());
+  for (int v = 0; v < system.nv; ++v) (is_dependent[v] ? out.dependent : out.independent).push_back(v);
+}
+
+}  // namespace
+
+std::vector<int> Selection::excluded_rows(int m) const {
+  std::vector<int> excluded;
+  for (int row = 0; row < m; ++row) {
+    if (!std::binary_search(rows.begin(), rows.end(), row)) excluded.push_back(row);
+  }
+  return excluded;
+}
+
+Selection select_rows_and_coordinates(const System& system, const ClusterDecision& decision) {
+  Selection out;
+  std::vector<bool> is_dependent(system.nv, false);
+  for (const ClusterRank& cluster : decision.clusters) {
+    if (cluster.dense) {
+      choose_in_block({cluster.rows, cluster.columns, cluster.G}, cluster.rank, out, is_dependent);
+    } else {
+      choose_by_elimination(cluster, out, is_dependent);
+    }
+  }
+  finish(system, is_dependent, out);
+  return out;
+}
+
+Selection select_independent(const System& system, const Scaling& scaling, const ConstraintKinematics& constraints,
+                             RankDecision* decision) {
+  ClusterDecision clusters = decide_clusters(system, scaling, cut_into_blocks(system, constraints));
+  if (decision) *decision = clusters.decision;
+  Selection out;
+  std::vector<bool> is_dependent(system.nv, false);
+  for (std::size_t c = 0; c < clusters.clusters.size(); ++c) {
+    ClusterRank& cluster = clusters.clusters[c];
+    if (cluster.dense) {
+      choose_in_block({cluster.rows, cluster.columns, cluster.G}, cluster.rank, out, is_dependent);
+    } else {  // evaluation divides by the pivots of this block: they must be the best there are
+      const ClusterBlock block =
+          make_cluster_block(system, scaling, cut_into_blocks(system, constraints), system.topology->clusters[c]);
+      choose_in_block(block, cluster.rank, out, is_dependent);
+    }
+  }
+  finish(system, is_dependent, out);
+  return out;
+}
+
+Selection reselect(const System& system, const Scaling& scaling, const ConstraintKinematics& constraints,
+                   const Selection& previous) {
+  const ConstraintBlocks blocks = cut_into_blocks(system, constraints);
+  Selection out;
+  std::vector<bool> is_dependent(system.nv, false);
+  for (const Cluster& cluster : system.topology->clusters) {
+    const ClusterBlock block = make_cluster_block(system, scaling, blocks, cluster);
+    const auto rank = std::count_if(block.rows.begin(), block.rows.end(), [&](int row) {
+      return std::binary_search(previous.rows.begin(), previous.rows.end(), row);
+    });
+    choose_in_block(block, static_cast<int>(rank), out, is_dependent);
+  }
+  finish(system, is_dependent, out);
+  return out;
+}
+
+MatrixXd self_stresses_of_selection(const System& system, const Selection& selection, const RowMatrixXd& G) {
+  const int r = static_cast<int>(selection.rows.size());
+  const std::vector<int> excluded = selection.excluded_rows(system.m);
+  MatrixXd Z = MatrixXd::Zero(system.m, static_cast<long>(excluded.size()));
+  for (std::size_t e = 0; e < excluded.size(); ++e) Z(excluded[e], static_cast<long>(e)) = 1;
+  if (r == 0 || excluded.empty()) return Z;
+  const MatrixXd G_d = G(selection.rows, selection.dependent), G_e = G(excluded, selection.dependent);
+  // G_e = C G_d, so that y_e = 1 is balanced by y_r = −Cᵀ.
+  const MatrixXd C_transposed = G_d.transpose().partialPivLu().solve(G_e.transpose());
+  for (int i = 0; i < r; ++i) Z.row(selection.rows[i]) = -C_transposed.row(i);
+  return Z;
+}
+
+}  // namespace ferrers
