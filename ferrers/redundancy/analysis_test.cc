@@ -79,13 +79,21 @@ void expect_consistent(const System& system, const State& state, const Redundanc
   EXPECT_EQ(static_cast<int>(r.excluded_rows.size()), r.redundant);
   EXPECT_EQ(r.rows.size(), r.constraint_rows);
 
-  // Self-stresses balance every body, fill the null space, and are orthonormal in scaled units.
+  // Self-stresses balance every body, fill the null space, and are unit vectors far from dependent in scaled units.
   const MatrixXd G = compute_scaled_joint_jacobian(system, state, r.rows, r.characteristic_length_m);
   const MatrixXd Z = r.rows.scale.cwiseInverse().asDiagonal() * MatrixXd(r.self_stresses);
   ASSERT_EQ(Z.cols(), r.redundant);
   if (r.redundant > 0) {
     EXPECT_LT((G.transpose() * Z).cwiseAbs().maxCoeff(), 1e-9);
-    EXPECT_TRUE(matrices_near(Z.transpose() * Z, MatrixXd::Identity(r.redundant, r.redundant), 1e-10));
+    EXPECT_TRUE(matrices_near(Z.colwise().norm(), MatrixXd::Ones(1, r.redundant), 1e-12));
+    EXPECT_GT(Eigen::JacobiSVD<MatrixXd>(Z).singularValues().minCoeff(), 0.02);
+    for (int k = 0; k < r.redundant; ++k) {  // and each says truly which joints it loads
+      std::vector<int> loaded;
+      for (int j = 0; j < static_cast<int>(r.reactions.size()); ++j) {
+        if (!Z.col(k).segment(r.rows.first[j], r.rows.count[j]).isZero(0)) loaded.push_back(j);
+      }
+      EXPECT_EQ(r.self_stress_places[k].joints, loaded);
+    }
   }
   // All joints' rows on body velocities say the same without a tree.
   const RankDecision all = analyze_rank(G).decision;
