@@ -16,6 +16,7 @@ int inverse(const RunOptions& options) {
     PrescribedOptions prescribed;
     prescribed.grid = options.grid;
     prescribed.axes = options.axes;
+    prescribed.distribution = options.distribution;
     return run_prescribed(std::move(model), prescribed, control);
   };
   return execute(task, options);
@@ -31,6 +32,7 @@ void add_inverse(CLI::App& command, Job& job) {
       "Examples:\n"
       "  ferrers inverse examples/four-bar-driven/model.yaml -o out/four-bar\n"
       "  ferrers inverse lift.yaml --end 1 --every 0.001 --reactions joint\n"
+      "  ferrers inverse door.yaml --distribute equal --stiffness-range 0.5:2\n"
       "\nThe drives' 'motion' laws prescribe the motion. Writes result.csv, reactions.csv, summary.json and the "
       "model.\n"
       "Exit codes: 0 done; 3 the model has errors, or prescribes too little or too much; 4 it cannot be assembled;\n"

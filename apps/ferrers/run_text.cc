@@ -20,11 +20,13 @@ std::string verb_done(const RunDocument& document) {
       ended ? "" : fmt::format(" ({})", run_status_name(document.summary->status, document.interrupted)));
 }
 
-std::string load(const std::optional<double>& value, double t, bool determined, std::string_view unit,
+std::string load(const std::optional<double>& value, double t, bool determined, bool distributed, std::string_view unit,
                  const Style& style) {
   if (!value) return style.yellow("undetermined");
-  return fmt::format("{} {} at {} s{}", number(*value), unit, number(t),
-                     determined ? "" : style.yellow(" (undetermined at times)"));
+  const std::string remark = !determined   ? style.yellow(" (undetermined at times)")
+                             : distributed ? " (distributed)"
+                                           : "";
+  return fmt::format("{} {} at {} s{}", number(*value), unit, number(t), remark);
 }
 
 std::string drives_text(const RunDocument& document, const Style& style) {
@@ -44,15 +46,17 @@ std::string loads_text(const RunDocument& document, const Style& style) {
   bool all = true;
   for (std::size_t i = 0; i < peaks.size(); ++i) {
     const JointPeak& peak = peaks[i];
-    rows.push_back({document.joints[i], load(peak.force, peak.force_t, peak.force_determined, "N", style),
-                    load(peak.moment, peak.moment_t, peak.moment_determined, "N·m", style)});
+    rows.push_back({document.joints[i],
+                    load(peak.force, peak.force_t, peak.force_determined, peak.force_distributed, "N", style),
+                    load(peak.moment, peak.moment_t, peak.moment_determined, peak.moment_distributed, "N·m", style)});
     all = all && peak.force && peak.moment && peak.force_determined && peak.moment_determined;
   }
   std::string text = "\n" + table(rows, "  ", style);
   if (!all) {
     text += style.dim(
         "  Undetermined: rigid bodies do not tell how redundant constraints share the load. Single components that\n"
-        "  are unique all the same stand in reactions.csv.\n");
+        "  are unique all the same stand in reactions.csv. To divide the rest give joints a 'stiffness', or say\n"
+        "  --distribute equal.\n");
   }
   return text;
 }
@@ -70,6 +74,27 @@ std::string decisions_text(const RunSummary& summary) {
   if (shown < summary.decisions.size()) {
     text += line("", fmt::format("and {} more, in summary.json", summary.decisions.size() - shown));
   }
+  return text;
+}
+
+std::string distribution_text(const DistributionSummary& distribution) {
+  std::string text;
+  if (distribution.used) {
+    std::string what = "loads that rigid bodies leave open are divided by the joints' stiffness";
+    if (distribution.by == DistributionBy::kEqualStiffness) {
+      what = fmt::format(
+          "loads that rigid bodies leave open are divided by equal stiffness of all joints, moments over {} m",
+          number(distribution.length_m));
+    }
+    text += line("distribution", what);
+    if (distribution.range) {
+      const bool exact = distribution.bounds == BoundsMethod::kExact;
+      text += line("ranges", fmt::format("for every stiffness times {} to {}: {}", number(distribution.range->low),
+                                         number(distribution.range->high),
+                                         exact ? "exact" : "found by search, the true ones may be wider"));
+    }
+  }
+  for (const std::string& notice : distribution.notices) text += line("note", notice);
   return text;
 }
 
@@ -91,6 +116,7 @@ std::string run_text(const RunDocument& document, long rows, const std::string& 
   }
   text += decisions_text(summary);
   for (const std::string& notice : summary.notices) text += line("note", notice);
+  if (document.with_reactions) text += distribution_text(summary.distribution);
   text += drives_text(document, style);
   text += loads_text(document, style);
   if (document.folder)

@@ -143,7 +143,7 @@ class Output {
     if (task_.with_reactions) {
       for (const Joint& joint : loaded_.model->joints()) joints.push_back(joint.name);
     }
-    keep(rows_file_.open(folder_, run_columns(dynamics), joints));
+    keep(rows_file_.open(folder_, run_columns(dynamics), joints, options_.distribution.range.has_value()));
     if (!error_.empty()) return;
     if (!holds_model_) keep(write_file_whole(folder_ / model_file_, model_text(options_.model, loaded_)));
     copy_law_files();
@@ -300,6 +300,47 @@ CLI::Validator number_from_zero() {
       "");
 }
 
+namespace {
+
+/// LOW:HIGH, two numbers above zero in order.
+std::optional<StiffnessRange> read_range(const std::string& text) {
+  const std::size_t colon = text.find(':');
+  StiffnessRange range;
+  if (colon == std::string::npos || !CLI::detail::lexical_cast(text.substr(0, colon), range.low) ||
+      !CLI::detail::lexical_cast(text.substr(colon + 1), range.high)) {
+    return std::nullopt;
+  }
+  const bool good = range.low > 0 && range.high >= range.low && std::isfinite(range.high);
+  return good ? std::optional(range) : std::nullopt;
+}
+
+CLI::Validator stiffness_range() {
+  return CLI::Validator(
+      [](std::string& text) {
+        return read_range(text) ? std::string() : fmt::format("'{}' is not a range like 0.5:2", text);
+      },
+      "");
+}
+
+void add_distribution_options(CLI::App& verb, DistributionOptions& distribution) {
+  verb.add_option_function<std::string>(
+          "--distribute",
+          [&distribution](const std::string& name) {
+            if (const auto by = find_distribution(name)) distribution.by = *by;
+          },
+          "what divides reactions that rigid bodies leave open: the joints' stiffness; equal: the same stiffness for "
+          "every joint; none [stiffness]")
+      ->type_name("WAY")
+      ->check(one_of({"stiffness", "equal", "none"}));
+  verb.add_option_function<std::string>(
+          "--stiffness-range", [&distribution](const std::string& text) { distribution.range = read_range(text); },
+          "also the ranges of divided reactions when every stiffness entry is multiplied by a factor of its own")
+      ->type_name("LOW:HIGH")
+      ->check(stiffness_range());
+}
+
+}  // namespace
+
 CLI::Validator one_of(std::vector<std::string> names) {
   return CLI::Validator(
       [names = std::move(names)](std::string& text) {
@@ -326,6 +367,7 @@ void add_run_options(CLI::App& verb, RunOptions& options, bool with_reactions) {
             "axes of reaction components: world or joint [world]")
         ->type_name("AXES")
         ->check(one_of({"world", "joint"}));
+    add_distribution_options(verb, options.distribution);
   }
 }
 

@@ -16,9 +16,10 @@ struct RunOptions {
   std::string folder;  ///< Empty: out/MODELNAME-VERB.
   ferrers::OutputGrid grid;
   ferrers::ReactionAxes axes = ferrers::ReactionAxes::kWorld;
+  ferrers::DistributionOptions distribution;
 };
 
-/// The model's options, -o, --end, --every; `--reactions` where the verb computes them.
+/// The model's options, -o, --end, --every; where the verb computes reactions their axes and distribution.
 void add_run_options(CLI::App& verb, RunOptions& options, bool with_reactions);
 
 /// A finite number above zero, or from zero on.

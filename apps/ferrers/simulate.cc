@@ -68,6 +68,7 @@ int simulate_model(const Options& options) {
     SimulationOptions simulation = options.simulation;
     simulation.grid = options.run.grid;
     simulation.axes = options.run.axes;
+    simulation.distribution = options.run.distribution;
     return simulate(std::move(model), simulation, control);
   };
   return execute(task, options.run);
@@ -84,6 +85,7 @@ void add_simulate(CLI::App& command, Job& job) {
       "Examples:\n"
       "  ferrers simulate examples/bricard-a04/model.yaml --end 10 -o out/a04\n"
       "  ferrers simulate door.yaml -p width='0.9 m' --every 0.001 --json\n"
+      "  ferrers simulate door.yaml --distribute equal --stiffness-range 0.5:2\n"
       "  ferrers simulate door.yaml --integrator constant-acceleration --step 0.0005\n"
       "\nWrites result.csv, reactions.csv, summary.json and the model file as run. Ctrl-C keeps what is done.\n"
       "Exit codes: 0 done; 3 the model has errors; 4 it cannot be assembled; 5 the integration failed; 130 "

@@ -4,18 +4,6 @@
 
 namespace ferrers {
 
-std::string_view to_string(ReactionStatus status) {
-  switch (status) {
-    case ReactionStatus::kUnique:
-      return "unique";
-    case ReactionStatus::kDistributed:
-      return "distributed";
-    case ReactionStatus::kUndetermined:
-      break;
-  }
-  return "undetermined";
-}
-
 namespace {
 
 // Minus what a body's acceleration takes, gravity included, at its node's origin.
@@ -70,41 +58,121 @@ Loads make_motion_loads(const DynamicsModel& model, const State& state, const Eq
 
 }  // namespace
 
-ReactionSolver::ReactionSolver(std::shared_ptr<const DynamicsModel> model)
+/// Joints, self-stresses and multipliers of one state.
+struct ReactionSolver::Instant {
+  std::vector<JointFrameWrenches> joints;
+  MatrixXd Z;  // rows × redundant
+};
+
+struct ReactionSolver::Distributed {
+  VectorXd lambda;  // all rows
+  std::vector<ComponentMap> maps;
+  std::optional<ForceMethod> method;  // none: nothing was distributed
+};
+
+namespace {
+
+// The row that gives component k of a joint's reaction, at the joint's point, from its multipliers.
+Eigen::RowVectorXd component_row(const Joint& joint, const JointFrameWrenches& frame, ReactionAxes axes, int k) {
+  const Vector3d axis = axes == ReactionAxes::kWorld ? Vector3d::Unit(k % 3) : Vector3d(frame.motion.R_F.col(k % 3));
+  if (k < 3) return axis.transpose() * frame.T.bottomRows<3>();
+  const Vector3d to_M = -reaction_point_from_M(joint, frame.motion);
+  return axis.transpose() * (frame.T.topRows<3>() + cross_matrix(to_M) * frame.T.bottomRows<3>());
+}
+
+}  // namespace
+
+ReactionSolver::ReactionSolver(std::shared_ptr<const DynamicsModel> model, const DistributionOptions& options)
     : model_(std::move(model)),
+      options_(options),
       scaling_(make_scaling(*model_->system)),
-      rows_(make_all_rows(*model_->system, scaling_)) {}
+      rows_(make_all_rows(*model_->system, scaling_)),
+      springs_(make_joint_springs(*model_->system, options.by, scaling_.length_m)) {}
 
 std::vector<JointReaction> ReactionSolver::solve(const State& state, const Equations& eq, const Selection& selection,
                                                  const VectorXd& vdot, const VectorXd& lambda, const VectorXd& u,
-                                                 ReactionAxes axes) const {
+                                                 ReactionAxes axes, DistributionOutcome* outcome) const {
   const System& system = *model_->system;
   require_size(vdot.size(), system.nv, "ReactionSolver::solve: vdot");
   require_size(lambda.size(), system.m, "ReactionSolver::solve: lambda");
   require_size(u.size(), model_->nu(), "ReactionSolver::solve: u");
-  std::vector<JointFrameWrenches> joints = compute_joint_frame_wrenches(system, state, eq.pos);
-  const MatrixXd all = distribute_to_joints(system, rows_, scaling_, eq.pos, joints,
+  Instant at;
+  at.joints = compute_joint_frame_wrenches(system, state, eq.pos);
+  const MatrixXd all = distribute_to_joints(system, rows_, scaling_, eq.pos, at.joints,
                                             make_motion_loads(*model_, state, eq, vdot, lambda, u));
-  const MatrixXd Z = complete_self_stresses(system, scaling_, rows_, eq.pos, joints,
-                                            self_stresses_of_selection(system, selection, eq.constraints.G));
-  std::vector<JointReaction> reactions(joints.size());
-  for (std::size_t j = 0; j < joints.size(); ++j) {
-    JointFrameWrenches& joint = joints[j];
-    const Vector3d to_M = -reaction_point_from_M(system.model->joints()[j], joint.motion);
-    joint.T.topRows<3>() += cross_matrix(to_M) * joint.T.bottomRows<3>();
-    const Wrench w = joint.T * all.col(0).segment(rows_.first[j], rows_.count[j]);
-    const auto Z_joint = Z.middleRows(rows_.first[j], rows_.count[j]);
+  at.Z = complete_self_stresses(system, scaling_, rows_, eq.pos, at.joints,
+                                self_stresses_of_selection(system, selection, eq.constraints.G));
+  DistributionOutcome local;
+  DistributionOutcome& told = outcome != nullptr ? *outcome : local;
+  told = {};
+  const Distributed solution = distribute(at, all.col(0), told);
+  std::vector<JointReaction> reactions = make_reactions(at, solution, axes);
+  if (options_.range) add_ranges(at, solution, axes, reactions, told);
+  return reactions;
+}
+
+ReactionSolver::Distributed ReactionSolver::distribute(const Instant& at, VectorXd lambda,
+                                                       DistributionOutcome& outcome) const {
+  Distributed out;
+  out.lambda = std::move(lambda);
+  if (!springs_.any || at.Z.cols() == 0) return out;
+  outcome.used = true;
+  out.maps = compute_component_maps(*model_->system, at.joints);
+  out.method = make_force_method(rows_, out.maps, springs_, at.Z, scaling_.length_m);
+  outcome.confident = out.method->decision.confident;
+  DistributionResult result =
+      solve_distribution(*out.method, rows_, out.maps, out.lambda, misalignment_of_rows(rows_, out.maps, springs_));
+  for (const int j : result.contradictory) outcome.contradictory.push_back(owner_name(*model_->system->model, j));
+  if (result.consistent) {
+    out.lambda = std::move(result.lambda);
+  } else {
+    out.method.reset();
+  }
+  return out;
+}
+
+std::vector<JointReaction> ReactionSolver::make_reactions(const Instant& at, const Distributed& solution,
+                                                          ReactionAxes axes) const {
+  std::vector<JointReaction> reactions(at.joints.size());
+  for (std::size_t j = 0; j < reactions.size(); ++j) {
+    const Joint& joint = model_->system->model->joints()[j];
+    const int first = rows_.first[j], count = rows_.count[j];
+    const MatrixXd remaining = solution.method ? MatrixXd(solution.method->remaining.middleRows(first, count))
+                                               : MatrixXd(at.Z.middleRows(first, count));
     for (int k = 0; k < 6; ++k) {
-      Wrench direction = Wrench::Zero();
-      const Vector3d axis =
-          axes == ReactionAxes::kWorld ? Vector3d::Unit(k % 3) : Vector3d(joint.motion.R_F.col(k % 3));
-      direction.segment<3>(k < 3 ? 3 : 0) = axis;
-      reactions[j].value[k] = direction.dot(w);
-      const bool unique = is_unique_component(direction, joint, Z_joint, scaling_.length_m);
-      reactions[j].status[k] = unique ? ReactionStatus::kUnique : ReactionStatus::kUndetermined;
+      const Eigen::RowVectorXd row = component_row(joint, at.joints[j], axes, k);
+      reactions[j].value[k] = row.dot(solution.lambda.segment(first, count));
+      reactions[j].status[k] =
+          judge_component(row, component_unit(k, scaling_.length_m), at.Z.middleRows(first, count), remaining);
     }
+    reactions[j].low = reactions[j].high = reactions[j].value;
   }
   return reactions;
+}
+
+void ReactionSolver::add_ranges(const Instant& at, const Distributed& solution, ReactionAxes axes,
+                                std::vector<JointReaction>& reactions, DistributionOutcome& outcome) const {
+  if (!solution.method) return;
+  std::vector<std::pair<std::size_t, int>> wanted;
+  for (std::size_t j = 0; j < reactions.size(); ++j) {
+    for (int k = 0; k < 6; ++k) {
+      if (reactions[j].status[k] == ReactionStatus::kDistributed) wanted.emplace_back(j, k);
+    }
+  }
+  MatrixXd targets = MatrixXd::Zero(static_cast<long>(wanted.size()), rows_.size());
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    const auto [j, k] = wanted[i];
+    targets.row(static_cast<long>(i)).segment(rows_.first[j], rows_.count[j]) =
+        component_row(model_->system->model->joints()[j], at.joints[j], axes, k);
+  }
+  const ReactionBounds bounds =
+      bound_reactions(*solution.method, rows_, solution.maps, solution.lambda, targets, *options_.range);
+  outcome.bounds = bounds.method;
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    const auto [j, k] = wanted[i];
+    reactions[j].low[k] = bounds.low[static_cast<long>(i)];
+    reactions[j].high[k] = bounds.high[static_cast<long>(i)];
+  }
 }
 
 }  // namespace ferrers

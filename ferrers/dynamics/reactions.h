@@ -1,19 +1,14 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "ferrers/dynamics/forward.h"
+#include "ferrers/redundancy/reaction_bounds.h"
 
 namespace ferrers {
-
-enum class ReactionStatus {
-  kUnique,        ///< Every solution of the equations of motion shares the value.
-  kDistributed,   ///< Fixed by added physics (joint stiffness), named with the result.
-  kUndetermined,  ///< Not determined by rigid-body dynamics: no value is given.
-};
-std::string_view to_string(ReactionStatus status);
 
 /// The constraint's wrench on a joint's second body at the joint's point: force_x … force_z, moment_x … moment_z, in N
 /// and N·m, world axes or the joint's frame F. Drive efforts, springs and damping in the joint are not in it, so the
@@ -21,27 +16,58 @@ std::string_view to_string(ReactionStatus status);
 struct JointReaction {
   std::array<double, 6> value{};  ///< Valid where status is not kUndetermined.
   std::array<ReactionStatus, 6> status{};
+  /// Where a range of stiffness was asked for: the range of the value, valid like it.
+  std::array<double, 6> low{}, high{};
 };
 
 enum class ReactionAxes { kWorld, kJoint };
 
+/// What makes reactions definite that rigid bodies leave open.
+struct DistributionOptions {
+  /// By stiffness, joints that have none are rigid: without any stiffness or misalignment nothing is distributed.
+  DistributionBy by = DistributionBy::kJointStiffness;
+  std::optional<StiffnessRange> range;  ///< Also compute how reactions range with the stiffness.
+};
+
+/// How the distribution went at one state.
+struct DistributionOutcome {
+  bool used = false;                       ///< There was stiffness to distribute by.
+  bool confident = true;                   ///< Which self-stresses it fixes was a clear decision.
+  std::vector<std::string> contradictory;  ///< Rigid joints that the misalignment cannot be assembled with: no values.
+  BoundsMethod bounds = BoundsMethod::kExact;
+};
+
 /// Computes reactions of all joints at a state whose accelerations are known.
 ///
 /// Each tree joint balances its outboard side; a component is unique when its projection on the joint's constraint
-/// wrenches is orthogonal to every self-stress at this pose [wojtyra2005]. Cost: O(rows · redundant).
+/// wrenches is orthogonal to every self-stress at this pose [wojtyra2005]. The others are distributed by joint
+/// stiffness (redundancy/distribution.h) as far as it goes. Cost: O(rows · redundant), and that of the distribution if
+/// there is one.
 class ReactionSolver {
  public:
-  explicit ReactionSolver(std::shared_ptr<const DynamicsModel> model);
+  explicit ReactionSolver(std::shared_ptr<const DynamicsModel> model, const DistributionOptions& options = {});
 
   /// `eq` filled at `state`; `vdot`, `lambda` solve it with the drive efforts `u` (nu).
   std::vector<JointReaction> solve(const State& state, const Equations& eq, const Selection& selection,
                                    const VectorXd& vdot, const VectorXd& lambda, const VectorXd& u,
-                                   ReactionAxes axes = ReactionAxes::kWorld) const;
+                                   ReactionAxes axes = ReactionAxes::kWorld,
+                                   DistributionOutcome* outcome = nullptr) const;
+
+  bool distributes() const { return springs_.any; }
 
  private:
+  struct Instant;
+  struct Distributed;
+  Distributed distribute(const Instant& at, VectorXd lambda, DistributionOutcome& outcome) const;
+  std::vector<JointReaction> make_reactions(const Instant& at, const Distributed& solution, ReactionAxes axes) const;
+  void add_ranges(const Instant& at, const Distributed& solution, ReactionAxes axes,
+                  std::vector<JointReaction>& reactions, DistributionOutcome& outcome) const;
+
   std::shared_ptr<const DynamicsModel> model_;
+  DistributionOptions options_;
   Scaling scaling_;
   AllRows rows_;
+  JointSprings springs_;
 };
 
 }  // namespace ferrers

@@ -77,6 +77,7 @@ struct RunFolder::Files {
   Appender result, reactions;
   std::vector<std::array<std::string, 6>> cells;  ///< ",joint,component," of every joint.
   std::size_t columns = 0;
+  bool with_ranges = false;
   Clock::time_point last_flush = Clock::now();
   long rows = 0;
 
@@ -96,7 +97,7 @@ bool RunFolder::is_open() const { return files_ != nullptr; }
 long RunFolder::rows() const { return files_ != nullptr ? files_->rows : 0; }
 
 std::string RunFolder::open(const fs::path& folder, const std::vector<std::string>& columns,
-                            const std::vector<std::string>& joints) {
+                            const std::vector<std::string>& joints, bool with_ranges) {
   require(files_ == nullptr, "RunFolder::open: open already");
   std::error_code failed;
   fs::create_directories(folder, failed);
@@ -113,7 +114,9 @@ std::string RunFolder::open(const fs::path& folder, const std::vector<std::strin
   files->result.buffer().push_back('\n');
   if (!joints.empty()) {
     if (std::string error = files->reactions.open(folder / "reactions.csv"); !error.empty()) return error;
-    append(files->reactions.buffer(), "t,joint,component,value,status\n");
+    files->with_ranges = with_ranges;
+    append(files->reactions.buffer(), "t,joint,component,value,status");
+    append(files->reactions.buffer(), with_ranges ? ",low,high\n" : "\n");
     for (const std::string& joint : joints) {
       fmt::memory_buffer name;
       append_cell(name, joint);
@@ -146,9 +149,16 @@ void RunFolder::add(const RunSample& sample) {
       for (std::size_t i = 0; i < 6; ++i) {
         append(out, {time.data(), time.size()});
         append(out, files_->cells[joint][i]);
-        if (reaction.status[i] != ReactionStatus::kUndetermined) append_number(out, reaction.value[i]);
+        const bool known = reaction.status[i] != ReactionStatus::kUndetermined;
+        if (known) append_number(out, reaction.value[i]);
         out.push_back(',');
         append(out, to_string(reaction.status[i]));
+        if (files_->with_ranges) {
+          for (const double end : {reaction.low[i], reaction.high[i]}) {
+            out.push_back(',');
+            if (known) append_number(out, end);
+          }
+        }
         out.push_back('\n');
       }
     }

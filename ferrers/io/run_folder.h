@@ -29,10 +29,10 @@ class RunFolder {
   RunFolder(const RunFolder&) = delete;
   RunFolder& operator=(const RunFolder&) = delete;
 
-  /// Makes the folder and starts both files; removes the files of an earlier run there. `joints` empty: no reactions.
-  /// Returns what went wrong, or an empty text.
+  /// Makes the folder and starts both files; removes the files of an earlier run there. `joints` empty: no reactions;
+  /// `with_ranges`: `reactions.csv` gets columns `low` and `high`. Returns what went wrong, or an empty text.
   std::string open(const std::filesystem::path& folder, const std::vector<std::string>& columns,
-                   const std::vector<std::string>& joints);
+                   const std::vector<std::string>& joints, bool with_ranges = false);
   void add(const RunSample& sample);
   /// Brings rows to the files when the last time was a tenth of a second ago.
   void flush_if_due();
@@ -89,7 +89,8 @@ struct RunDocument {
 std::string_view run_status_name(RunStatus status, bool interrupted);
 
 /// The JSON object of schema `ferrers.run/1`. Loads that are not determined are null: `status` of a joint is
-/// `determined`, `partly` (the peaks are those of the times at which they are determined), `undetermined`.
+/// `determined`, `distributed` (determined with the stiffness that `distribution` names), `partly` (the peaks are those
+/// of the times at which they are determined), `undetermined`.
 std::string write_summary_json(const RunDocument& document);
 
 }  // namespace ferrers

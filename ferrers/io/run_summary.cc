@@ -26,7 +26,8 @@ OrderedJson decision_value(const DecisionRecord& decision) {
 
 std::string_view load_status(const JointPeak& peak) {
   if (!peak.force && !peak.moment) return "undetermined";
-  return peak.force_determined && peak.moment_determined ? "determined" : "partly";
+  if (!peak.force_determined || !peak.moment_determined) return "partly";
+  return peak.force_distributed || peak.moment_distributed ? "distributed" : "determined";
 }
 
 OrderedJson joint_value(const std::string& name, const JointPeak& peak) {
@@ -64,6 +65,21 @@ OrderedJson drive_values(const std::vector<DrivePeak>& drives) {
   return all;
 }
 
+OrderedJson distribution_value(const DistributionSummary& distribution) {
+  if (!distribution.used) return nullptr;
+  const bool equal = distribution.by == DistributionBy::kEqualStiffness;
+  OrderedJson value;
+  value["by"] = equal ? "equal stiffness" : "joint stiffness";
+  value["length_m"] = equal ? OrderedJson(distribution.length_m) : OrderedJson();
+  value["stiffness_range"] = nullptr;
+  value["bounds"] = nullptr;
+  if (distribution.range) {
+    value["stiffness_range"] = {distribution.range->low, distribution.range->high};
+    value["bounds"] = to_string(distribution.bounds);
+  }
+  return value;
+}
+
 std::string effort_unit(const DynamicsModel& model, const DriveComponent& drive) {
   if (drive.kind != Drive::Kind::kCoordinate) return "N";
   const Joint& joint = model.system->model->joint(drive.coordinate.joint);
@@ -93,6 +109,8 @@ void add_summary(const RunDocument& document, OrderedJson& out) {
   for (const DecisionRecord& decision : summary.decisions) decisions.push_back(decision_value(decision));
   out["decisions"] = std::move(decisions);
   out["notices"] = summary.notices;
+  for (const std::string& notice : summary.distribution.notices) out["notices"].push_back(notice);
+  out["distribution"] = distribution_value(summary.distribution);
   out["drives"] = drive_values(document.drives);
   out["joints"] = joint_values(document);
 }
@@ -157,7 +175,7 @@ std::string write_summary_json(const RunDocument& document) {
   } else {
     for (const char* key : {"status", "message", "method", "t_reached", "steps", "rejected", "evaluations",
                             "smallest_step_s", "largest_step_s", "wall_time_s", "max_constraint_residual_m", "energy",
-                            "decisions", "notices", "drives", "joints"}) {
+                            "decisions", "notices", "distribution", "drives", "joints"}) {
       out[key] = nullptr;
     }
   }

@@ -34,8 +34,6 @@ MatrixXd complement(const MatrixXd& columns) {
   return all.rightCols(columns.rows() - columns.cols());
 }
 
-double component_unit(int component, double length_m) { return component < 3 ? 1.0 : length_m; }
-
 // What each spring takes of each column of Z.
 MatrixXd work_of(const std::vector<SpringComponent>& springs, const AllRows& rows,
                  const std::vector<ComponentMap>& maps, const MatrixXd& Z) {
@@ -213,13 +211,17 @@ DistributionResult solve_distribution(const ForceMethod& method, const AllRows& 
 }
 
 ReactionStatus judge_component(const Eigen::RowVectorXd& row, double unit, const Eigen::Ref<const MatrixXd>& Z_joint,
-                               const Eigen::Ref<const MatrixXd>* remaining_joint) {
+                               const Eigen::Ref<const MatrixXd>& remaining_joint) {
   const auto untouched = [&](const Eigen::Ref<const MatrixXd>& stresses) {
     return row.cols() == 0 || stresses.cols() == 0 || is_negligible((row * stresses).norm() / unit, 1.0);
   };
   if (untouched(Z_joint)) return ReactionStatus::kUnique;
-  if (remaining_joint != nullptr && untouched(*remaining_joint)) return ReactionStatus::kDistributed;
-  return ReactionStatus::kUndetermined;
+  return untouched(remaining_joint) ? ReactionStatus::kDistributed : ReactionStatus::kUndetermined;
+}
+
+const std::string& owner_name(const Model& model, int joint_or_coupling) {
+  const auto j = static_cast<std::size_t>(joint_or_coupling), joints = model.joints().size();
+  return j < joints ? model.joints()[j].name : model.couplings()[j - joints].name;
 }
 
 }  // namespace ferrers

@@ -96,9 +96,15 @@ DistributionResult solve_distribution(const ForceMethod& method, const AllRows& 
                                       const VectorXd& delta);
 
 /// Status of a reaction component that a joint's multipliers give as row · lambda_joint: unique where no self-stress
-/// works on it, distributed where springs fix all that do. `unit`: 1 for a force, L for a moment. `Z_joint`: the
-/// joint's rows of all self-stresses; `remaining_joint`: of those that stay free, null where nothing was distributed.
+/// works on it, distributed where springs fix all that do. `unit`: that of the component. `Z_joint`: the joint's rows
+/// of all self-stresses; `remaining_joint`: of those that stay free, all of them where nothing was distributed.
 ReactionStatus judge_component(const Eigen::RowVectorXd& row, double unit, const Eigen::Ref<const MatrixXd>& Z_joint,
-                               const Eigen::Ref<const MatrixXd>* remaining_joint);
+                               const Eigen::Ref<const MatrixXd>& remaining_joint);
+
+/// Size of component k (force, then moment) that counts as one: 1 N, L N·m.
+inline double component_unit(int k, double length_m) { return k < 3 ? 1.0 : length_m; }
+
+/// Name of a joint or coupling by its index in `AllRows`.
+const std::string& owner_name(const Model& model, int joint_or_coupling);
 
 }  // namespace ferrers

@@ -28,11 +28,6 @@ VectorXd displacement_of_rows(const AllRows& rows, const std::vector<ComponentMa
   return delta;
 }
 
-std::string name_of(const Model& model, int joint_or_coupling) {
-  const auto j = static_cast<std::size_t>(joint_or_coupling), joints = model.joints().size();
-  return j < joints ? model.joints()[j].name : model.couplings()[j - joints].name;
-}
-
 }  // namespace
 
 PreloadReport analyze_preload(const System& system, const State& state, const RedundancyReport& report,
@@ -55,15 +50,15 @@ PreloadReport analyze_preload(const System& system, const State& state, const Re
   const DistributionResult result = solve_distribution(method, rows, maps, VectorXd::Zero(rows.size()), delta);
   out.status = result.consistent ? PreloadStatus::kSolved : PreloadStatus::kContradictory;
   out.confident = method.decision.confident;
-  for (const int j : result.contradictory) out.contradictory.push_back(name_of(*system.model, j));
+  for (const int j : result.contradictory) out.contradictory.push_back(owner_name(*system.model, j));
   for (std::size_t j = 0; j < maps.size(); ++j) {
     JointPreload& joint = out.joints.emplace_back();
     joint.joint = system.model->joints()[j].name;
-    const Eigen::Ref<const MatrixXd> all = Z.middleRows(rows.first[j], rows.count[j]);
-    const Eigen::Ref<const MatrixXd> free = method.remaining.middleRows(rows.first[j], rows.count[j]);
+    const MatrixXd& open_stresses = result.consistent ? method.remaining : Z;
     for (int k = 0; k < 6; ++k) {
-      const double unit = k < 3 ? 1.0 : scaling.length_m;
-      joint.status[k] = judge_component(maps[j].row(k), unit, all, result.consistent ? &free : nullptr);
+      joint.status[k] = judge_component(maps[j].row(k), component_unit(k, scaling.length_m),
+                                        Z.middleRows(rows.first[j], rows.count[j]),
+                                        open_stresses.middleRows(rows.first[j], rows.count[j]));
       if (joint.status[k] == ReactionStatus::kDistributed) {
         joint.value[k] = maps[j].row(k).dot(result.lambda.segment(rows.first[j], rows.count[j]));
       }

@@ -60,7 +60,7 @@ RunSummary run_prescribed(std::shared_ptr<const DynamicsModel> model, const Pres
     return summary;
   }
   PrescribedMotion motion(model, assembly.state);
-  Recorder recorder(model, options.axes);
+  Recorder recorder(model, options.axes, options.distribution);
   PrescribedResult result = motion.check();
   summary.decisions.push_back(describe(*model->system, motion.selection()));
   bool first = true;
@@ -71,6 +71,11 @@ RunSummary run_prescribed(std::shared_ptr<const DynamicsModel> model, const Pres
     ++summary.steps;
     const RunSample& sample = recorder.record(result.state, motion.equations(), motion.selection(), result.vdot,
                                               result.lambda, result.u, options.with_efforts);
+    if (const std::string reason = refused_range(recorder.distribution()); !reason.empty()) {
+      summary.status = RunStatus::kUnsupported;
+      summary.message = reason;
+      break;
+    }
     note_energy(summary, sample, first);
     first = false;
     summary.t_reached = t;
@@ -85,6 +90,7 @@ RunSummary run_prescribed(std::shared_ptr<const DynamicsModel> model, const Pres
   if (summary.status == RunStatus::kFinished) summary.status = run_status(result.status);
   if (summary.message.empty()) summary.message = result.message;
   summary.peaks = recorder.peaks();
+  summary.distribution = recorder.distribution();
   summary.wall_time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return summary;
 }

@@ -2,13 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace ferrers {
 
-Recorder::Recorder(std::shared_ptr<const DynamicsModel> model, ReactionAxes axes)
+Recorder::Recorder(std::shared_ptr<const DynamicsModel> model, ReactionAxes axes,
+                   const DistributionOptions& distribution)
     : model_(std::move(model)),
       axes_(axes),
-      reactions_(model_),
+      reactions_(model_, distribution),
       scaling_(make_scaling(*model_->system)),
       accelerations_(make_velocity_kinematics(*model_->system)) {
   const System& system = *model_->system;
@@ -29,6 +31,14 @@ Recorder::Recorder(std::shared_ptr<const DynamicsModel> model, ReactionAxes axes
   columns_.emplace_back("energy");
   sample_.values.resize(columns_.size());
   peaks_.resize(system.model->joints().size());
+  distribution_.by = distribution.by;
+  distribution_.range = distribution.range;
+  if (distribution.by != DistributionBy::kEqualStiffness) return;
+  distribution_.length_m = scaling_.length_m;
+  const auto& joints = system.model->joints();
+  if (std::any_of(joints.begin(), joints.end(), [](const Joint& j) { return j.misalignment.has_value(); })) {
+    distribution_.notices.emplace_back("misalignment is not used: equal stiffness has ratios but no size");
+  }
 }
 
 const RunSample& Recorder::record(const State& state, const Equations& eq, const Selection& selection,
@@ -57,15 +67,33 @@ const RunSample& Recorder::record(const State& state, const Equations& eq, const
   sample_.constraint_residual =
       system.m > 0 ? eq.constraints.phi.cwiseProduct(scaling_.rows).cwiseAbs().maxCoeff() : 0.0;
   if (with_reactions) {
-    sample_.reactions = reactions_.solve(state, eq, selection, vdot, lambda, u, axes_);
+    DistributionOutcome outcome;
+    sample_.reactions = reactions_.solve(state, eq, selection, vdot, lambda, u, axes_, &outcome);
+    follow_distribution(state.t, outcome);
     follow_peaks();
   }
   return sample_;
 }
 
+void Recorder::follow_distribution(double t, const DistributionOutcome& outcome) {
+  if (!outcome.used) return;
+  distribution_.used = true;
+  distribution_.bounds = std::max(distribution_.bounds, outcome.bounds);
+  if (!outcome.confident && !std::exchange(doubt_told_, true)) {
+    distribution_.notices.push_back("which reactions the stiffness determines is in doubt at t = " + std::to_string(t) +
+                                    " s");
+  }
+  if (outcome.contradictory.empty() || std::exchange(contradiction_told_, true)) return;
+  std::string names;
+  for (const std::string& name : outcome.contradictory) names += (names.empty() ? "'" : ", '") + name + "'";
+  distribution_.notices.push_back("from t = " + std::to_string(t) +
+                                  " s on, the misalignment contradicts rigid joints (" + names +
+                                  "): reactions are not distributed; give stiffness to what must give way");
+}
+
 void Recorder::follow_peaks() {
-  const auto follow = [&](const JointReaction& r, int first, std::optional<double>& peak, double& at,
-                          bool& determined) {
+  const auto follow = [&](const JointReaction& r, int first, std::optional<double>& peak, double& at, bool& determined,
+                          bool& distributed) {
     double square = 0;
     for (int k = first; k < first + 3; ++k) {
       if (r.status[k] == ReactionStatus::kUndetermined) {
@@ -74,6 +102,7 @@ void Recorder::follow_peaks() {
       }
       square += r.value[k] * r.value[k];
     }
+    for (int k = first; k < first + 3; ++k) distributed |= r.status[k] == ReactionStatus::kDistributed;
     const double norm = std::sqrt(square);
     if (peak && norm <= *peak) return;
     peak = norm;
@@ -81,8 +110,8 @@ void Recorder::follow_peaks() {
   };
   for (std::size_t j = 0; j < peaks_.size(); ++j) {
     JointPeak& p = peaks_[j];
-    follow(sample_.reactions[j], 0, p.force, p.force_t, p.force_determined);
-    follow(sample_.reactions[j], 3, p.moment, p.moment_t, p.moment_determined);
+    follow(sample_.reactions[j], 0, p.force, p.force_t, p.force_determined, p.force_distributed);
+    follow(sample_.reactions[j], 3, p.moment, p.moment_t, p.moment_determined, p.moment_distributed);
   }
 }
 

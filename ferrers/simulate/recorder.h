@@ -22,13 +22,25 @@ struct RunSample {
 struct JointPeak {
   std::optional<double> force, moment;  ///< N, N·m: norms; empty while no sample had all three components determined.
   double force_t = 0, moment_t = 0;
-  bool force_determined = true, moment_determined = true;  ///< False: some sample had undetermined components.
+  bool force_determined = true, moment_determined = true;      ///< False: some sample had undetermined components.
+  bool force_distributed = false, moment_distributed = false;  ///< True: some component came from the distribution.
+};
+
+/// How a run's indeterminate reactions were divided.
+struct DistributionSummary {
+  bool used = false;  ///< False: nothing to divide, or nothing to divide by.
+  DistributionBy by = DistributionBy::kJointStiffness;
+  double length_m = 0;                         ///< Equal stiffness: k for forces is k·length² for moments.
+  std::optional<StiffnessRange> range;         ///< Asked for.
+  BoundsMethod bounds = BoundsMethod::kExact;  ///< Of the ranges: `kSearch` if only one of them came so.
+  std::vector<std::string> notices;            ///< What the reader must know.
 };
 
 /// Turns states into rows of output: measures every joint coordinate, recorded point, effort and reaction.
 class Recorder {
  public:
-  explicit Recorder(std::shared_ptr<const DynamicsModel> model, ReactionAxes axes = ReactionAxes::kWorld);
+  explicit Recorder(std::shared_ptr<const DynamicsModel> model, ReactionAxes axes = ReactionAxes::kWorld,
+                    const DistributionOptions& distribution = {});
 
   /// "t"; per joint coordinate JOINT.COORDINATE, .velocity, .acceleration; DRIVE.effort; POINT.x .y .z; "energy".
   const std::vector<std::string>& columns() const { return columns_; }
@@ -39,9 +51,11 @@ class Recorder {
                           const VectorXd& lambda, const VectorXd& u, bool with_reactions);
 
   const std::vector<JointPeak>& peaks() const { return peaks_; }
+  const DistributionSummary& distribution() const { return distribution_; }
 
  private:
   void follow_peaks();
+  void follow_distribution(double t, const DistributionOutcome& outcome);
 
   std::shared_ptr<const DynamicsModel> model_;
   ReactionAxes axes_;
@@ -52,6 +66,8 @@ class Recorder {
   VelocityKinematics accelerations_;
   RunSample sample_;
   std::vector<JointPeak> peaks_;
+  DistributionSummary distribution_;
+  bool doubt_told_ = false, contradiction_told_ = false;
 };
 
 }  // namespace ferrers

@@ -32,7 +32,7 @@ class Run {
         options_(options),
         control_(control),
         evaluator_(model_, options.formulation),
-        recorder_(model_, options.axes),
+        recorder_(model_, options.axes, options.distribution),
         control_steps_(options.tolerance.value_or(kDefaultTolerance),
                        std::max(options.grid.t_end, options.grid.every)) {}
 
@@ -41,6 +41,7 @@ class Run {
     if (start()) march();
     summary_.evaluations = evaluator_.evaluations();
     summary_.peaks = recorder_.peaks();
+    summary_.distribution = recorder_.distribution();
     summary_.wall_time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return std::move(summary_);
   }
@@ -66,8 +67,7 @@ class Run {
       if (!drive.effort) summary_.notices.push_back("drive '" + drive.name + "' has no effort law: it does not act");
     }
     evaluator_.decide(state_, "start", summary_);
-    if (!evaluate(state_)) return false;
-    emit();
+    if (!evaluate(state_) || !emit()) return false;
     summary_.energy_start = summary_.energy_min = summary_.energy_max = energy_;
     return true;
   }
@@ -105,13 +105,16 @@ class Run {
     return fail(RunStatus::kStepTooSmall, "accelerations cannot be computed at t = " + number(state_.t) + " s");
   }
 
-  void emit() { record(state_, evaluator_.result().vdot, true); }
+  bool emit() { return record(state_, evaluator_.result().vdot, true); }
 
   // `solved`: the last evaluation was at this state and gave multipliers.
-  void record(const State& state, const VectorXd& vdot, bool solved) {
+  bool record(const State& state, const VectorXd& vdot, bool solved) {
     const RunSample& sample =
         recorder_.record(state, evaluator_.equations(), evaluator_.selection(), vdot, evaluator_.result().lambda,
                          evaluator_.equations().u, options_.with_reactions && solved);
+    if (const std::string reason = refused_range(recorder_.distribution()); !reason.empty()) {
+      return fail(RunStatus::kUnsupported, reason);
+    }
     energy_ = sample.energy;
     summary_.energy_end = energy_;
     summary_.energy_min = std::min(summary_.energy_min, energy_);
@@ -119,6 +122,7 @@ class Run {
     summary_.max_constraint_residual = std::max(summary_.max_constraint_residual, sample.constraint_residual);
     summary_.t_reached = state.t;
     if (control_.on_sample) control_.on_sample(sample);
+    return true;
   }
 
   void march() {
@@ -139,14 +143,11 @@ class Run {
 
   // Outputs between steps are interpolated, so that the steps need not know the grid.
   bool emit_at(double t) {
-    if (t >= state_.t) {
-      emit();
-      return true;
-    }
+    if (t >= state_.t) return emit();
     between_.evaluate(system(), t, sample_state_, sample_vdot_);
     const bool solved_there = evaluator_.evaluate(sample_state_) == ForwardStatus::kSolved;
-    record(sample_state_, control_crossing_ ? sample_vdot_ : evaluator_.result().vdot, solved_there);
-    return evaluate(state_);
+    return record(sample_state_, control_crossing_ ? sample_vdot_ : evaluator_.result().vdot, solved_there) &&
+           evaluate(state_);
   }
 
   // Steps of equal length that land on `t`.
@@ -242,6 +243,12 @@ std::vector<double> OutputGrid::times() const {
   for (long k = 0; k <= whole; ++k) times.push_back(static_cast<double>(k) * every);
   if (ratio - static_cast<double>(whole) > 1e-9) times.push_back(t_end);
   return times;
+}
+
+std::string refused_range(const DistributionSummary& distribution) {
+  if (distribution.bounds != BoundsMethod::kTooLarge) return "";
+  return "the ranges of reactions take too long: too many stiffnesses vary; give a stiffness to fewer joints, or leave "
+         "the range out";
 }
 
 RunSummary simulate(std::shared_ptr<const DynamicsModel> model, const SimulationOptions& options,

@@ -39,6 +39,7 @@ struct SimulationOptions {
   Formulation formulation = Formulation::kNullSpace;
   bool with_reactions = true;
   ReactionAxes axes = ReactionAxes::kWorld;
+  DistributionOptions distribution;
 };
 
 enum class RunStatus {
@@ -74,7 +75,11 @@ struct RunSummary {
   std::vector<DecisionRecord> decisions;
   std::vector<std::string> notices;
   std::vector<JointPeak> peaks;  ///< Per joint.
+  DistributionSummary distribution;
 };
+
+/// What a range of reactions that takes too long to compute is refused with; empty: not too long.
+std::string refused_range(const DistributionSummary& distribution);
 
 /// Forward simulation (the paper's inverse problem). Samples go to `control.on_sample`.
 RunSummary simulate(std::shared_ptr<const DynamicsModel> model, const SimulationOptions& options,
@@ -84,6 +89,7 @@ struct PrescribedOptions {
   OutputGrid grid;
   bool with_efforts = true;  ///< False: kinematics only, masses not needed.
   ReactionAxes axes = ReactionAxes::kWorld;
+  DistributionOptions distribution;
 };
 
 /// Inverse dynamics or kinematics on the output grid (the paper's direct problem).
