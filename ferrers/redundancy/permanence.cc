@@ -1,66 +1,14 @@
 #include "ferrers/redundancy/permanence.h"
 
 #include <algorithm>
-#include <random>
+#include <cmath>
+
+#include "ferrers/kinematics/assembly.h"
 
 namespace ferrers {
 namespace {
 
-// One walk's work space.
-class Walker {
- public:
-  Walker(const System& system, unsigned seed)
-      : system_(system),
-        scaling_(make_scaling(system)),
-        pos_(make_position_kinematics(system)),
-        rest_(make_velocity_kinematics(system)),
-        constraints_(make_constraint_kinematics(system)),
-        random_(seed) {}
-
-  /// Rank at a state.
-  RankAnalysis analyze(const State& state) {
-    compute_positions(system_, state.q, pos_);
-    compute_constraints(system_, state, pos_, rest_, constraints_);
-    return analyze_rank(scaling_.rows.asDiagonal() * constraints_.G * scaling_.columns.asDiagonal(), 1.0);
-  }
-
-  /// Moves `size` (rad, or characteristic lengths) along a random direction of the null space and closes the loops.
-  bool move(const RankAnalysis& at, double size, State& state) {
-    if (at.right_null.cols() == 0) return false;
-    std::normal_distribution<double> normal;
-    VectorXd weights(at.right_null.cols());
-    for (double& weight : weights) weight = normal(random_);
-    VectorXd direction = at.right_null * weights;
-    direction *= size * scaling_.length_m / direction.cwiseAbs().maxCoeff();
-    const State from = state;
-    displace(system_, direction.cwiseProduct(scaling_.columns), state.q);
-    int iterations = 0;
-    const double residual = close_loops(system_, scaling_, {}, 60, state, iterations);
-    if (residual > closed_tolerance(scaling_)) return false;
-    return distance(from, state) > 0.3 * size;
-  }
-
- private:
-  // Largest motion of a scalar coordinate, in rad or characteristic lengths (quaternions count by their entries).
-  double distance(const State& a, const State& b) const {
-    double largest = 0;
-    for (const Node& node : system_.nodes) {
-      for (int k = 0; k < node.nq; ++k) {
-        const bool scalar = node.nq == node.nv;
-        const double unit = scalar ? scaling_.columns[node.v + k] * scaling_.length_m : 0.5;
-        largest = std::max(largest, std::abs(a.q[node.q + k] - b.q[node.q + k]) / unit);
-      }
-    }
-    return largest;
-  }
-
-  const System& system_;
-  Scaling scaling_;
-  PositionKinematics pos_;
-  VelocityKinematics rest_;
-  ConstraintKinematics constraints_;
-  std::mt19937 random_;
-};
+constexpr std::size_t kMostBranches = 32;
 
 Permanence judge(int redundant, std::optional<int> generic) {
   if (redundant == 0) return Permanence::kNone;
@@ -74,6 +22,128 @@ bool holds_as_drawn_only(const Model& model) {
     return joint.type == JointType::kGearMesh && joint.constants.mesh_holds_as_drawn_only;
   });
 }
+
+/// A branch of the whole as it is put together: velocities in scaled coordinates.
+struct Combined {
+  MotionBranch branch;
+  double share = 1;
+};
+
+/// Puts the clusters' motions together.
+class Combiner {
+ public:
+  explicit Combiner(const System& system, const Scaling& scaling) : system_(system), scaling_(scaling) {
+    all_.push_back({});
+    all_.front().branch.tangent = MatrixXd::Zero(system.nv, 0);
+    in_loops_.assign(system.nv, false);
+  }
+
+  void add(const ClusterSystem& cluster, const ClusterMotion& motion, PermanenceReport& out) {
+    for (const int k : cluster.columns) in_loops_[k] = true;
+    weaken(out.basis, motion.basis);
+    out.configurations = std::max(out.configurations, motion.configurations);
+    out.confident = out.confident && motion.confident;
+    out.second_order_done = out.second_order_done && motion.second_order_done;
+    out.all_branches = out.all_branches && motion.all_branches;
+    const bool isolated = motion.branches.empty() && motion.basis != FiniteMobilityBasis::kNotEstablished;
+    if (isolated) {
+      out.is_shaky = out.is_shaky || motion.mobility > 0;
+      generic_redundant_ += motion.redundant;
+      isolated_redundant_ += motion.redundant;
+      return;
+    }
+    if (motion.branches.empty()) {
+      known_ = false;
+      return;
+    }
+    int least = motion.redundant, samples = 0;
+    for (const MotionBranch& branch : motion.branches) {
+      least = std::min(least, branch.redundant);
+      samples += branch.samples;
+    }
+    generic_redundant_ += least;
+    multiply(cluster, motion, samples, out);
+  }
+
+  void finish(PermanenceReport& out) {
+    if (!known_) return;
+    std::vector<int> free;  // coordinates outside all loops
+    for (int k = 0; k < system_.nv; ++k) {
+      if (!in_loops_[k]) free.push_back(k);
+    }
+    out.generic_redundant = generic_redundant_;
+    out.generic_mobility = system_.nv - (system_.m - generic_redundant_);
+    out.finite_mobility = 0;
+    for (Combined& one : all_) {
+      MatrixXd tangent = MatrixXd::Zero(system_.nv, one.branch.tangent.cols() + static_cast<long>(free.size()));
+      tangent.leftCols(one.branch.tangent.cols()) = one.branch.tangent;
+      for (std::size_t i = 0; i < free.size(); ++i) {
+        tangent(free[i], one.branch.tangent.cols() + static_cast<long>(i)) = 1;
+      }
+      const int dimension = static_cast<int>(tangent.cols());
+      out.finite_mobility = std::max(*out.finite_mobility, dimension);
+      if (dimension == 0) continue;
+      const int redundant = isolated_redundant_ + one.branch.redundant;
+      out.branches.push_back(
+          {dimension, system_.nv - (system_.m - redundant), redundant, one.share, name_direction(tangent)});
+    }
+    std::stable_sort(out.branches.begin(), out.branches.end(),
+                     [](const BranchReport& a, const BranchReport& b) { return a.dimension > b.dimension; });
+  }
+
+ private:
+  // What is claimed rests on the weakest of what was used.
+  static void weaken(FiniteMobilityBasis& basis, FiniteMobilityBasis with) { basis = std::max(basis, with); }
+
+  void multiply(const ClusterSystem& cluster, const ClusterMotion& motion, int samples, PermanenceReport& out) {
+    std::vector<Combined> next;
+    for (const Combined& one : all_) {
+      for (const MotionBranch& branch : motion.branches) {
+        if (next.size() >= kMostBranches) {
+          out.all_branches = false;
+          break;
+        }
+        Combined both = one;
+        MatrixXd& tangent = both.branch.tangent;
+        const long first = tangent.cols();
+        tangent.conservativeResize(Eigen::NoChange, first + branch.tangent.cols());
+        tangent.rightCols(branch.tangent.cols()).setZero();
+        tangent(cluster.columns, Eigen::seqN(first, branch.tangent.cols())) = branch.tangent;
+        both.branch.redundant += branch.redundant;
+        both.share *= samples > 0 ? static_cast<double>(branch.samples) / samples : 1.0;
+        next.push_back(std::move(both));
+      }
+    }
+    all_ = std::move(next);
+  }
+
+  // One velocity of the tangent space: the sum of its projections of the axes, so that every coordinate that can move
+  // does, whatever the basis.
+  std::vector<std::pair<std::string, double>> name_direction(const MatrixXd& tangent) const {
+    VectorXd x = tangent.cols() == 1 ? VectorXd(tangent.col(0))
+                                     : VectorXd(tangent * (tangent.transpose() * VectorXd::Ones(system_.nv)));
+    const double largest = x.cwiseAbs().maxCoeff();
+    std::vector<std::pair<std::string, double>> out;
+    if (is_negligible(largest, 1.0)) return out;
+    x *= scaling_.length_m / largest;
+    long first = 0;
+    while (is_negligible(x[first], scaling_.length_m)) ++first;
+    if (x[first] < 0) x = -x;
+    for (int k = 0; k < system_.nv; ++k) {
+      if (!is_negligible(x[k], scaling_.length_m)) {
+        out.emplace_back(system_.coordinate_names[k], x[k] * scaling_.columns[k]);
+      }
+    }
+    return out;
+  }
+
+  const System& system_;
+  const Scaling& scaling_;
+  std::vector<Combined> all_;
+  std::vector<bool> in_loops_;
+  int generic_redundant_ = 0, isolated_redundant_ = 0;
+  bool known_ = true;
+};
 
 }  // namespace
 
@@ -100,36 +170,16 @@ PermanenceReport analyze_permanence(const System& system, const State& state, co
     if (report.redundant == 0) out.kind = Permanence::kNone;
     return out;
   }
-  if (report.mobility == 0) {  // a structure has no other configuration
-    out.generic_mobility = 0;
-    out.generic_redundant = report.redundant;
-    out.finite_mobility = 0;
-    out.kind = judge(report.redundant, report.redundant);
-    return out;
+  out.basis = FiniteMobilityBasis::kFirstOrder;
+  const Scaling scaling = make_scaling(system);
+  Combiner combiner(system, scaling);
+  for (const Cluster& cluster : system.topology->clusters) {
+    const ClusterSystem part = make_cluster_system(system, scaling, cluster);
+    ClusterMotion motion;
+    if (part.system.nv <= options.largest_cluster) motion = analyze_motion(part, part.restrict(state), options.branches);
+    combiner.add(part, motion, out);
   }
-  Walker walker(system, options.seed);
-  const RankAnalysis start = walker.analyze(state);
-  int largest_rank = -1;
-  for (int attempt = 0; attempt < 3 * options.configurations && out.configurations < options.configurations;
-       ++attempt) {
-    State there = state;
-    // Steps of several sizes: a far one may not close, a near one may look like the pose it came from.
-    const double size = 0.35 / (1 + attempt % 3);
-    if (!walker.move(start, size, there)) continue;
-    State further = there;
-    if (walker.move(walker.analyze(there), size, further)) there = further;
-    const RankDecision decision = walker.analyze(there).decision;
-    out.confident = out.confident && decision.confident;
-    largest_rank = std::max(largest_rank, decision.rank);
-    ++out.configurations;
-  }
-  if (largest_rank >= 0) {
-    // Rank can only be lower at special poses; the given one counts too.
-    largest_rank = std::max(largest_rank, report.closure_rank);
-    out.generic_redundant = system.m - largest_rank;
-    out.generic_mobility = system.nv - largest_rank;
-    out.finite_mobility = out.generic_mobility;
-  }
+  combiner.finish(out);
   out.kind = judge(report.redundant, out.generic_redundant);
   return out;
 }

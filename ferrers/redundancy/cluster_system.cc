@@ -1,0 +1,188 @@
+#include "ferrers/redundancy/cluster_system.h"
+
+#include <algorithm>
+#include <map>
+
+#include "ferrers/math/rotation.h"
+
+namespace ferrers {
+namespace {
+
+// Nodes that move with the cluster's coordinates: all between the two ends of its cuts, below where they meet.
+std::vector<int> moving_nodes(const System& whole, const Cluster& cluster) {
+  std::vector<int> nodes = cluster.nodes;
+  const std::vector<TreeNode>& tree = whole.topology->forest.nodes;
+  for (const int c : cluster.closures) {
+    if (!whole.topology->closures[c].joint.valid()) continue;
+    int a = whole.cuts[c].frames.node_1, b = whole.cuts[c].frames.node_2;
+    while (a != b) {
+      int& lower = tree[b].depth > tree[a].depth ? b : a;
+      nodes.push_back(lower);
+      lower = tree[lower].parent;
+    }
+  }
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  return nodes;
+}
+
+// Renumbers what belongs to a cluster.
+class Extractor {
+ public:
+  Extractor(const System& whole, const Cluster& cluster, ClusterSystem& out) : whole_(whole), out_(out) {
+    out.system.model = whole.model;
+    out.system.topology = whole.topology;
+    out.system.nodes.push_back(whole.nodes[0]);
+    for (const int n : moving_nodes(whole, cluster)) add_node(n);
+    for (const int c : cluster.closures) {
+      if (whole.topology->closures[c].joint.valid()) add_cut(c);
+    }
+    for (const int c : cluster.closures) {
+      if (!whole.topology->closures[c].joint.valid()) add_coupling(whole.topology->closures[c].row);
+    }
+    out.system.m = static_cast<int>(out.rows.size());
+  }
+
+ private:
+  // What does not move with the cluster's coordinates is its ground.
+  int node_of(int n) const {
+    const auto at = nodes_.find(n);
+    return at == nodes_.end() ? 0 : at->second;
+  }
+
+  void add_node(int n) {
+    if (n == 0) return;
+    Node node = whole_.nodes[n];
+    nodes_[n] = static_cast<int>(out_.system.nodes.size());
+    for (int k = 0; k < node.nq; ++k) out_.q.push_back(node.q + k);
+    for (int k = 0; k < node.nv; ++k) {
+      columns_[node.v + k] = static_cast<int>(out_.columns.size());
+      out_.columns.push_back(node.v + k);
+      out_.system.coordinate_names.push_back(whole_.coordinate_names[node.v + k]);
+    }
+    node.parent = node_of(node.parent);
+    positions_[node.q] = out_.system.nq;
+    node.q = out_.system.nq;
+    node.v = out_.system.nv;
+    out_.system.nq += node.nq;
+    out_.system.nv += node.nv;
+    out_.system.nodes.push_back(std::move(node));
+  }
+
+  int add_row(int row) {
+    out_.rows.push_back(row);
+    out_.system.row_names.push_back(whole_.row_names[row]);
+    return static_cast<int>(out_.rows.size()) - 1;
+  }
+
+  void add_cut(int c) {
+    CutJoint cut = whole_.cuts[c];
+    cuts_[c] = static_cast<int>(out_.system.cuts.size());
+    cut.frames.node_1 = node_of(cut.frames.node_1);
+    cut.frames.node_2 = node_of(cut.frames.node_2);
+    for (FramePair::PathEntry& entry : cut.frames.path) entry.node = node_of(entry.node);
+    const int row = static_cast<int>(out_.rows.size());
+    for (int i = 0; i < cut.type->row_count(); ++i) add_row(cut.row + i);
+    cut.row = row;
+    for (int i = 0; i < cut.type->winding_count; ++i) out_.winding.push_back(cut.winding + i);
+    cut.winding = out_.system.winding_count;
+    out_.system.winding_count += cut.type->winding_count;
+    out_.system.cuts.push_back(std::move(cut));
+  }
+
+  void add_coupling(int whole_row) {
+    CouplingRow row = *std::find_if(whole_.couplings.begin(), whole_.couplings.end(),
+                                    [&](const CouplingRow& r) { return r.row == whole_row; });
+    row.row = add_row(whole_row);
+    for (CoordinateAccess& access : row.coordinates) {
+      if (access.in_tree) {
+        access.v = columns_.at(access.v);
+        if (access.q >= 0) access.q = node_position(access.q);
+        continue;
+      }
+      const int winding = access.winding - whole_.cuts[access.cut].winding;
+      access.cut = cuts_.at(access.cut);
+      if (access.winding >= 0) access.winding = out_.system.cuts[access.cut].winding + winding;
+    }
+    out_.system.couplings.push_back(std::move(row));
+  }
+
+  int node_position(int q) const {
+    const auto at = std::prev(positions_.upper_bound(q));
+    return at->second + (q - at->first);
+  }
+
+  const System& whole_;
+  ClusterSystem& out_;
+  std::map<int, int> nodes_, columns_, cuts_;
+  std::map<int, int> positions_;  // first q of every node
+};
+
+}  // namespace
+
+State ClusterSystem::restrict(const State& whole) const {
+  State state;
+  state.t = whole.t;
+  state.q = whole.q(q);
+  state.v = VectorXd::Zero(system.nv);
+  state.winding = whole.winding(winding);
+  return state;
+}
+
+ClusterSystem make_cluster_system(const System& whole, const Scaling& scaling, const Cluster& cluster) {
+  ClusterSystem out;
+  Extractor(whole, cluster, out);
+  out.system.drawn_winding = whole.drawn_winding(out.winding);
+  out.scaling.length_m = scaling.length_m;
+  out.scaling.rows = scaling.rows(out.rows);
+  out.scaling.columns = scaling.columns(out.columns);
+  return out;
+}
+
+PoseProbe::PoseProbe(const System& system, const Scaling& scaling)
+    : system_(system),
+      scaling_(scaling),
+      pos_(make_position_kinematics(system)),
+      vel_(make_velocity_kinematics(system)),
+      rest_(make_velocity_kinematics(system)),
+      constraints_(make_constraint_kinematics(system)) {}
+
+void PoseProbe::go_to(const State& state) {
+  moving_ = state;
+  compute_positions(system_, state.q, pos_);
+  compute_constraints(system_, state, pos_, rest_, constraints_);
+}
+
+LocalMotion PoseProbe::first_order(double blur) const {
+  const VectorXd residual = constraints_.phi.cwiseProduct(scaling_.rows);
+  if (residual.size() > 0) blur = std::max(blur, residual.cwiseAbs().maxCoeff() / scaling_.length_m);
+  RankAnalysis analysis =
+      analyze_rank(scaling_.rows.asDiagonal() * constraints_.G * scaling_.columns.asDiagonal(), 1.0, blur);
+  return {std::move(analysis.decision), std::move(analysis.right_null), std::move(analysis.left_null)};
+}
+
+VectorXd PoseProbe::curvature(const VectorXd& x) {
+  moving_.v = scaling_.columns.cwiseProduct(x);
+  compute_velocities(system_, pos_, moving_.q, moving_.v, vel_);
+  compute_constraints(system_, moving_, pos_, vel_, constraints_);
+  return scaling_.length_m * constraints_.gamma.cwiseProduct(scaling_.rows);
+}
+
+VectorXd displacement(const System& system, const Scaling& scaling, const VectorXd& q_from, const VectorXd& q_to) {
+  VectorXd d = VectorXd::Zero(system.nv);
+  for (std::size_t i = 1; i < system.nodes.size(); ++i) {
+    const Node& node = system.nodes[i];
+    const int at = node.type->quaternion_at;
+    if (at < 0) {
+      for (int k = 0; k < node.nq; ++k) d[node.v + k] = q_to[node.q + k] - q_from[node.q + k];
+      continue;
+    }
+    for (int k = 0; k < at; ++k) d[node.v + 3 + k] = q_to[node.q + k] - q_from[node.q + k];
+    const Matrix3d from = quaternion_matrix(q_from.data() + node.q + at);
+    const Matrix3d to = quaternion_matrix(q_to.data() + node.q + at);
+    d.segment<3>(node.v) = rotation_log(to * from.transpose());
+  }
+  return d.cwiseQuotient(scaling.columns);
+}
+
+}  // namespace ferrers

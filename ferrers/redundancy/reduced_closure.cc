@@ -1,0 +1,134 @@
+#include "ferrers/redundancy/reduced_closure.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+
+#include "ferrers/kinematics/assembly.h"
+
+namespace ferrers {
+namespace {
+
+// Orthonormal complement of orthonormal columns.
+MatrixXd complement(const MatrixXd& B) {
+  if (B.cols() == 0) return MatrixXd::Identity(B.rows(), B.rows());
+  const Eigen::HouseholderQR<MatrixXd> qr(B);
+  const MatrixXd Q = qr.householderQ();
+  return Q.rightCols(B.rows() - B.cols());
+}
+
+// min |J x + g|² + μ² |x|²
+VectorXd damped_step(const MatrixXd& J, const VectorXd& g, double mu) {
+  const long m = J.rows(), n = J.cols();
+  MatrixXd A = MatrixXd::Zero(m + n, n);
+  A.topRows(m) = J;
+  A.bottomRows(n).diagonal().setConstant(mu);
+  VectorXd b = VectorXd::Zero(m + n);
+  b.head(m) = -g;
+  return A.householderQr().solve(b);
+}
+
+}  // namespace
+
+ReducedClosure::ReducedClosure(const ClusterSystem& cluster, const LocalMotion& local)
+    : cluster_(cluster),
+      N_(local.N),
+      Z_(local.Z),
+      Y_(complement(local.N)),
+      U_(complement(local.Z)),
+      pos_(make_position_kinematics(cluster.system)),
+      rest_(make_velocity_kinematics(cluster.system)),
+      constraints_(make_constraint_kinematics(cluster.system)) {}
+
+void ReducedClosure::evaluate(const State& state) {
+  compute_positions(cluster_.system, state.q, pos_);
+  compute_constraints(cluster_.system, state, pos_, rest_, constraints_);
+  phi_ = constraints_.phi.cwiseProduct(cluster_.scaling.rows);
+}
+
+void ReducedClosure::factorize() {
+  UG_ = (U_.transpose() * cluster_.scaling.rows.asDiagonal()) * constraints_.G;
+  UG_ *= cluster_.scaling.columns.asDiagonal();
+  lu_.compute(UG_ * Y_);
+}
+
+void ReducedClosure::move(const VectorXd& x, State& state) const {
+  displace(cluster_.system, x.cwiseProduct(cluster_.scaling.columns), state.q);
+}
+
+// Newton along Y; the matrix is kept while it serves. `state` is evaluated afterwards.
+bool ReducedClosure::restore(State& state) {
+  constexpr int kIterations = 30;
+  const double length = cluster_.scaling.length_m;
+  evaluate(state);
+  if (Y_.cols() == 0) return true;
+  double last = INFINITY;
+  bool fresh = false;
+  for (int i = 0; i < kIterations; ++i) {
+    const VectorXd residual = U_.transpose() * phi_;
+    const double size = residual.norm();
+    if (!std::isfinite(size) || size > length) return false;
+    if (size <= 2e-16 * length || (size > 0.3 * last && size <= 1e-12 * length)) break;
+    if (size > 0.1 * last || i == 0) {
+      if (fresh && size > 0.9 * last) return false;
+      factorize();
+      fresh = true;
+    } else {
+      fresh = false;
+    }
+    last = size;
+    const VectorXd step = -lu_.solve(residual);
+    if (!(step.cwiseAbs().maxCoeff() < 0.5 * length)) return false;
+    move(Y_ * step, state);
+    evaluate(state);
+  }
+  accept_winding(cluster_.system, pos_, state);
+  return (U_.transpose() * phi_).norm() <= closed_tolerance(cluster_.scaling);
+}
+
+// The Gauss-Newton step on what remains, with the share along Y that keeps Uᵀ phi.
+VectorXd ReducedClosure::correction() {
+  MatrixXd along = N_;
+  if (Y_.cols() > 0) {
+    factorize();
+    along -= Y_ * lu_.solve(UG_ * N_);
+  }
+  const MatrixXd ZG = (Z_.transpose() * cluster_.scaling.rows.asDiagonal()) * constraints_.G;
+  const MatrixXd J = ZG * cluster_.scaling.columns.asDiagonal() * along;
+  const VectorXd g = Z_.transpose() * phi_;
+  const double length = cluster_.scaling.length_m;
+  VectorXd z = damped_step(J, g, std::max(1e-4 * g.norm() / length, 1e-13));
+  const double limit = 0.1 * length;
+  const double size = z.cwiseAbs().maxCoeff();
+  if (size > limit) z *= limit / size;
+  return along * z;
+}
+
+bool ReducedClosure::close(State& state) {
+  constexpr int kIterations = 60;
+  const double length = cluster_.scaling.length_m;
+  if (!restore(state)) return false;
+  for (int i = 0; i < kIterations && Z_.cols() > 0 && N_.cols() > 0; ++i) {
+    const double size = (Z_.transpose() * phi_).norm();
+    if (size <= 3e-16 * length) break;
+    const VectorXd step = correction();
+    bool better = false;
+    for (double part = 1; part > 1e-3 && !better; part /= 4) {
+      State trial = state;
+      move(part * step, trial);
+      if (!restore(trial)) continue;
+      better = (Z_.transpose() * phi_).norm() < (1 - 0.1 * part) * size;
+      if (better) state = trial;
+    }
+    if (!better) break;
+  }
+  evaluate(state);
+  return phi_.cwiseAbs().maxCoeff() <= closed_tolerance(cluster_.scaling) && !is_any_flipped();
+}
+
+bool ReducedClosure::is_any_flipped() const {
+  return std::any_of(cluster_.system.cuts.begin(), cluster_.system.cuts.end(), [&](const CutJoint& cut) {
+    return is_flipped(*cut.type, compute_relative_motion(cut.frames, pos_, rest_));
+  });
+}
+
+}  // namespace ferrers
