@@ -1,15 +1,19 @@
 #include "ferrers/kinematics/assembly.h"
 
 #include <Eigen/QR>
+#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
 #include <random>
 
+#include "ferrers/kinematics/constraint_blocks.h"
 #include "ferrers/kinematics/coordinates.h"
 #include "ferrers/kinematics/initial_values.h"
 
 namespace ferrers {
 namespace {
+
+constexpr std::size_t kLargestDense = 200;  // free coordinates; above, steps are solved sparsely
 
 // Everything that an iteration needs, so that restarts share it.
 class Closer {
@@ -17,19 +21,21 @@ class Closer {
   Closer(const System& system, const Scaling& scaling, const std::vector<int>& held)
       : system_(system),
         scaling_(scaling),
+        place_(static_cast<std::size_t>(system.nv), 0),
         pos_(make_position_kinematics(system)),
         rest_(make_velocity_kinematics(system)),
-        constraints_(make_constraint_kinematics(system)) {
-    std::vector<bool> is_held(system.nv, false);
-    for (const int v : held) is_held[v] = true;
+        constraints_(make_constraint_blocks(system)) {
+    for (const int v : held) place_[v] = -1;
     for (int v = 0; v < system.nv; ++v) {
-      if (!is_held[v]) free_.push_back(v);
+      if (place_[v] < 0) continue;
+      place_[v] = static_cast<int>(free_.size());
+      free_.push_back(v);
     }
   }
 
   double evaluate(State& state) {
     compute_positions(system_, state.q, pos_);
-    compute_constraints(system_, state, pos_, rest_, constraints_);
+    compute_constraint_blocks(system_, state, pos_, constraints_);
     residual_ = constraints_.phi.cwiseProduct(scaling_.rows);
     return residual_.size() > 0 ? residual_.norm() : 0.0;
   }
@@ -67,36 +73,69 @@ class Closer {
   }
 
   double largest() const { return residual_.size() > 0 ? residual_.cwiseAbs().maxCoeff() : 0.0; }
-  const ConstraintKinematics& constraints() const { return constraints_; }
+  const ConstraintBlocks& constraints() const { return constraints_; }
   const std::vector<int>& free_coordinates() const { return free_; }
 
  private:
-  // min |J x + r|² + μ² |x|², by QR of [J; μ I]: as accurate as J allows, whatever its rank.
+  // min |J x + r|² + μ² |x|².
   VectorXd solve_step(double mu) {
     mu = std::max(mu / scaling_.length_m, 1e-9);
-    const int m = static_cast<int>(residual_.size()), n = static_cast<int>(free_.size());
-    MatrixXd A = MatrixXd::Zero(m + n, n);
-    for (int k = 0; k < n; ++k) {
-      A.col(k).head(m) = constraints_.G.col(free_[k]).cwiseProduct(scaling_.rows) * scaling_.columns[free_[k]];
-      A(m + k, k) = mu;
-    }
-    VectorXd b = VectorXd::Zero(m + n);
-    b.head(m) = -residual_;
-    VectorXd x = A.householderQr().solve(b);
+    VectorXd x = free_.size() <= kLargestDense ? solve_dense(mu) : solve_sparse(std::max(mu, 1e-7));
     const double limit = 0.3 * scaling_.length_m;  // about 0.3 rad
     const double size = x.cwiseAbs().maxCoeff();
     if (size > limit) x *= limit / size;
     VectorXd step = VectorXd::Zero(system_.nv);
-    for (int k = 0; k < n; ++k) step[free_[k]] = x[k] * scaling_.columns[free_[k]];
+    for (std::size_t k = 0; k < free_.size(); ++k) {
+      step[free_[k]] = x[static_cast<long>(k)] * scaling_.columns[free_[k]];
+    }
     return step;
+  }
+
+  // Calls use(row, free coordinate, entry of J).
+  template <typename Use>
+  void for_entries(Use use) const {
+    for (const ConstraintBlock& block : constraints_.blocks) {
+      for (std::size_t k = 0; k < block.columns.size(); ++k) {
+        const int column = block.columns[k];
+        if (place_[column] < 0) continue;
+        for (long i = 0; i < block.G.rows(); ++i) {
+          const int row = block.row + static_cast<int>(i);
+          use(row, place_[column], block.G(i, static_cast<long>(k)) * scaling_.rows[row] * scaling_.columns[column]);
+        }
+      }
+    }
+  }
+
+  // By QR of [J; μ I]: as accurate as J allows, whatever its rank.
+  VectorXd solve_dense(double mu) const {
+    const long m = residual_.size(), n = static_cast<long>(free_.size());
+    MatrixXd A = MatrixXd::Zero(m + n, n);
+    for_entries([&](int row, int column, double value) { A(row, column) += value; });
+    A.bottomRows(n).diagonal().setConstant(mu);
+    VectorXd b = VectorXd::Zero(m + n);
+    b.head(m) = -residual_;
+    return A.householderQr().solve(b);
+  }
+
+  // By the normal equations, whose error the next iteration takes away.
+  VectorXd solve_sparse(double mu) const {
+    const long m = residual_.size(), n = static_cast<long>(free_.size());
+    std::vector<Eigen::Triplet<double>> entries;
+    for_entries([&](int row, int column, double value) { entries.emplace_back(row, column, value); });
+    Eigen::SparseMatrix<double> J(m, n), identity(n, n);
+    J.setFromTriplets(entries.begin(), entries.end());
+    identity.setIdentity();
+    const Eigen::SparseMatrix<double> normal = Eigen::SparseMatrix<double>(J.transpose() * J) + mu * mu * identity;
+    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(normal);
+    return solver.solve(J.transpose() * -residual_);
   }
 
   const System& system_;
   const Scaling& scaling_;
-  std::vector<int> free_;
+  std::vector<int> free_, place_;  ///< Free coordinates, and where a coordinate stands among them (−1: held).
   PositionKinematics pos_;
   VelocityKinematics rest_;
-  ConstraintKinematics constraints_;
+  ConstraintBlocks constraints_;
   VectorXd residual_;
 };
 

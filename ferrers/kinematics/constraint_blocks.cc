@@ -5,7 +5,17 @@
 namespace ferrers {
 namespace {
 
-ConstraintBlocks make_blocks(const System& system) {
+// Moves the entries of a row from a full-length workspace, which is zero again afterwards.
+void take_row(Eigen::RowVectorXd& whole, int i, ConstraintBlock& block) {
+  for (std::size_t k = 0; k < block.columns.size(); ++k) {
+    block.G(i, static_cast<long>(k)) = whole[block.columns[k]];
+    whole[block.columns[k]] = 0;
+  }
+}
+
+}  // namespace
+
+ConstraintBlocks make_constraint_blocks(const System& system) {
   ConstraintBlocks out;
   out.phi = VectorXd::Zero(system.m);
   for (const Closure& closure : system.topology->closures) {
@@ -20,20 +30,8 @@ ConstraintBlocks make_blocks(const System& system) {
   return out;
 }
 
-// Moves the entries of a row from a full-length workspace, which is zero again afterwards.
-void take_row(Eigen::RowVectorXd& whole, int i, ConstraintBlock& block) {
-  for (std::size_t k = 0; k < block.columns.size(); ++k) {
-    block.G(i, static_cast<long>(k)) = whole[block.columns[k]];
-    whole[block.columns[k]] = 0;
-  }
-}
-
-}  // namespace
-
-ConstraintBlocks compute_constraint_blocks(const System& system, const State& state) {
-  ConstraintBlocks out = make_blocks(system);
-  PositionKinematics pos = make_position_kinematics(system);
-  compute_positions(system, state.q, pos);
+void compute_constraint_blocks(const System& system, const State& state, const PositionKinematics& pos,
+                               ConstraintBlocks& out) {
   const VelocityKinematics rest = make_velocity_kinematics(system);
   Eigen::RowVectorXd whole = Eigen::RowVectorXd::Zero(system.nv);
   Jet jets[6];
@@ -49,6 +47,7 @@ ConstraintBlocks compute_constraint_blocks(const System& system, const State& st
   }
   for (std::size_t c = 0; c < system.couplings.size(); ++c) {
     const CouplingRow& coupling = system.couplings[c];
+    out.phi[coupling.row] = 0;
     for (std::size_t i = 0; i < coupling.coordinates.size(); ++i) {
       const Jet jet = measure_coordinate(system, coupling.coordinates[i], state, pos, rest);
       out.phi[coupling.row] += coupling.coefficients[i] * jet.value;
@@ -56,11 +55,18 @@ ConstraintBlocks compute_constraint_blocks(const System& system, const State& st
     }
     take_row(whole, 0, out.blocks[system.cuts.size() + c]);
   }
+}
+
+ConstraintBlocks compute_constraint_blocks(const System& system, const State& state) {
+  ConstraintBlocks out = make_constraint_blocks(system);
+  PositionKinematics pos = make_position_kinematics(system);
+  compute_positions(system, state.q, pos);
+  compute_constraint_blocks(system, state, pos, out);
   return out;
 }
 
 ConstraintBlocks cut_into_blocks(const System& system, const ConstraintKinematics& constraints) {
-  ConstraintBlocks out = make_blocks(system);
+  ConstraintBlocks out = make_constraint_blocks(system);
   out.phi = constraints.phi;
   for (ConstraintBlock& block : out.blocks) {
     for (std::size_t k = 0; k < block.columns.size(); ++k) {

@@ -23,7 +23,12 @@ struct ConstraintBlocks {
   std::vector<ConstraintBlock> blocks;  ///< One per closure, in the order of `Topology::closures`.
 };
 
-/// From the state: positions are computed anew.
+ConstraintBlocks make_constraint_blocks(const System& system);
+
+/// Fills phi and G. Shapes: as made by `make_constraint_blocks`.
+void compute_constraint_blocks(const System& system, const State& state, const PositionKinematics& pos,
+                               ConstraintBlocks& out);
+/// The same from the state alone.
 ConstraintBlocks compute_constraint_blocks(const System& system, const State& state);
 
 /// Cut out of constraints that are known already.
