@@ -5,10 +5,10 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "ferrers/kinematics/initial_values.h"
 #include "ferrers/redundancy/best_fit.h"
+#include "ferrers/redundancy/cluster_rank.h"
 
 namespace ferrers {
 namespace {
@@ -25,14 +25,7 @@ struct OpenCluster {
   bool takes_up = false;  ///< Joints with stiffness close it.
 };
 
-VectorXd phi_at(const System& system, const State& state, RowMatrixXd* G = nullptr) {
-  PositionKinematics pos = make_position_kinematics(system);
-  compute_positions(system, state.q, pos);
-  ConstraintKinematics constraints = make_constraint_kinematics(system);
-  compute_constraints(system, state, pos, make_velocity_kinematics(system), constraints);
-  if (G) *G = constraints.G;
-  return constraints.phi;
-}
+VectorXd phi_at(const System& system, const State& state) { return compute_constraint_blocks(system, state).phi; }
 
 double scaled_norm(const Scaling& scaling, const ClusterRows& cluster, const VectorXd& phi) {
   double sum = 0;
@@ -69,6 +62,9 @@ Contradiction describe(const System& system, const AllRows& rows, double length,
   out.angular = is_negligible(force, moment / length);
   const double unit = out.angular ? moment : force;
   const double largest = std::max(force, moment / length);
+  const auto is_loaded = [&](double load) {  // more than the rounding of phi can do
+    return !is_negligible(load, largest) && std::abs(load) * fit.residual > kWorthAFit * length * largest;
+  };
   if (unit > 0) {
     out.misclosure = fit.residual * fit.residual / unit;  // yᵀ phi = f
     out.self_stress = fit.joint_stress / unit;
@@ -76,13 +72,13 @@ Contradiction describe(const System& system, const AllRows& rows, double length,
   const std::vector<Vector6d>& gaps = cluster.takes_up ? cluster.elastic.gaps : fit.gaps;
   for (std::size_t j = 0; j < gaps.size(); ++j) {
     const auto [f, m] = load_of(fit.gaps[j], length);
-    if (is_negligible(std::max(f, m / length), largest)) continue;
+    if (!is_loaded(std::max(f, m / length))) continue;
     out.joints.push_back({system.model->joints()[j].name, gaps[j].head<3>().norm(), gaps[j].tail<3>().norm()});
   }
   const std::size_t joints = fit.gaps.size();
   for (std::size_t c = joints; c < rows.first.size(); ++c) {
     const double load = fit.joint_stress[rows.first[c]] / rows.scale[rows.first[c]];
-    if (is_negligible(load, largest)) continue;
+    if (!is_loaded(load)) continue;
     out.joints.push_back({system.model->couplings()[c - joints].name, 0, 0});
   }
   return out;
@@ -126,10 +122,7 @@ LargestMove measure_moves(const System& system, const State& state) {
 }
 
 std::string reading_if_closed(const ContradictionReport& report) {
-  std::string text =
-      fmt::format("mobility {} and {} redundant constraints", report.mobility_if_closed, report.redundant_if_closed);
-  if (!report.if_closed.confident && judge_misclosure(report.blur) == Misclosure::kSure) text += ", in doubt";
-  return text;
+  return fmt::format("mobility {} and {} redundant constraints", report.mobility_if_closed, report.redundant_if_closed);
 }
 
 void write_text(ContradictionReport& report) {
@@ -153,9 +146,9 @@ void write_text(ContradictionReport& report) {
         joints, size, others, reading_if_closed(report));
   } else if (report.confident) {
     report.text = fmt::format(
-        "the geometry contradicts itself: the loop through joints {} misses closing by {} in the best pose{}; if it "
-        "closed it would have {}",
-        joints, size, others, reading_if_closed(report));
+        "the geometry contradicts itself: the loop through joints {} misses closing by {} in the best pose{}", joints,
+        size, others);
+    if (report.if_closed.confident) report.text += "; if it closed it would have " + reading_if_closed(report);
   } else {
     report.text = fmt::format(
         "the geometry contradicts itself, or its numbers are rounded: the loop through joints {} misses closing by {} "
@@ -170,7 +163,8 @@ void write_text(ContradictionReport& report) {
 }
 
 void set_reading_if_closed(const System& system, const Scaling& scaling, ContradictionReport& report) {
-  report.if_closed = decide_closure_rank(system, scaling, report.state, report.blur);
+  report.if_closed =
+      decide_clusters(system, scaling, compute_constraint_blocks(system, report.state), report.blur).decision;
   report.mobility_if_closed = system.nv - report.if_closed.rank;
   report.redundant_if_closed = system.m - report.if_closed.rank;
 }
@@ -250,31 +244,6 @@ std::string angle_text(double angle_rad) {
   if (size >= 1e-3) return fmt::format("{:.3g} mrad", 1e3 * angle_rad);
   if (size >= 1e-6 || size == 0) return fmt::format("{:.3g} µrad", 1e6 * angle_rad);
   return fmt::format("{:.3g} nrad", 1e9 * angle_rad);
-}
-
-RankDecision decide_closure_rank(const System& system, const Scaling& scaling, const State& state, double blur) {
-  RowMatrixXd G;
-  phi_at(system, state, &G);
-  RankDecision total;
-  total.gap = std::numeric_limits<double>::infinity();
-  std::vector<double> values;
-  for (const ClusterRows& cluster : cluster_rows(system)) {
-    MatrixXd block = G(cluster.rows, cluster.columns);
-    block = VectorXd(scaling.rows(cluster.rows)).asDiagonal() * block;
-    block = block * VectorXd(scaling.columns(cluster.columns)).asDiagonal();
-    const VectorXd s = analyze_rank(block, 1.0).decision.singular_values;
-    const RankDecision one = decide_rank(s, std::max(1.0, s.size() > 0 ? s[0] : 0.0), blur);
-    total.rank += one.rank;
-    total.other_rank += one.other_rank;
-    total.full = total.full && one.full;
-    total.confident = total.confident && one.confident;
-    total.gap = std::min(total.gap, one.gap);
-    values.insert(values.end(), one.singular_values.begin(), one.singular_values.end());
-  }
-  if (std::isinf(total.gap)) total.gap = decide_rank(VectorXd()).gap;
-  std::sort(values.begin(), values.end(), std::greater<>());
-  total.singular_values = Eigen::Map<const VectorXd>(values.data(), static_cast<long>(values.size()));
-  return total;
 }
 
 ContradictionReport analyze_contradiction(const System& system, const AssemblyResult& assembly) {

@@ -67,9 +67,6 @@ struct ContradictionReport {
 
 ContradictionReport analyze_contradiction(const System& system, const AssemblyResult& assembly);
 
-/// Rank of the closure Jacobian at a pose that misses closure by `blur`, cluster by cluster, on dense singular values.
-RankDecision decide_closure_rank(const System& system, const Scaling& scaling, const State& state, double blur);
-
 /// "0.52 µm", "3 mm", "1.2 m"; "4 µrad", "2 mrad".
 std::string length_text(double length_m);
 std::string angle_text(double angle_rad);
