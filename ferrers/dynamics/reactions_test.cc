@@ -4,7 +4,10 @@
 
 #include <cmath>
 
+#include "ferrers/testing/compare.h"
+#include "ferrers/testing/elastic_joints.h"
 #include "ferrers/testing/engine_probe.h"
+#include "ferrers/testing/transforms.h"
 #include "ferrers/testing/zoo.h"
 #include "ferrers/testing/zoo_parts.h"
 
@@ -103,6 +106,197 @@ TEST(ReactionsTest, DriveAndSpringEffortsAreNotReactions) {
   const ForwardResult result = engine.forward(state);
   EXPECT_NEAR(result.vdot[0], 10, 1e-13);
   expect_reaction(engine.reactions(state, result)[0], {0, 9.81 + 10, 0, 0, 0, 0}, 1e-13);
+}
+
+/// The reactions at a state by the options given.
+std::vector<JointReaction> solve(EngineProbe& engine, const State& state, const DistributionOptions& options,
+                                 DistributionOutcome* outcome = nullptr, ReactionAxes axes = ReactionAxes::kWorld) {
+  const ForwardResult result = engine.forward(state);
+  return ReactionSolver(engine.dynamics, options)
+      .solve(state, engine.eq, engine.selection, result.vdot, result.lambda, engine.eq.u, axes, outcome);
+}
+
+constexpr double kRadial = 2e6, kAxial = 1e6, kBend = 4e4;
+
+ModelSpec make_elastic_door() {
+  ModelSpec spec = make_door(2);
+  for (JointSpec& hinge : spec.joints) {
+    set_stiffness(hinge, number3(kRadial, kRadial, kAxial), number3(kBend, kBend, kBend));
+  }
+  return spec;
+}
+
+// Closed form: the couple m g b is shared by the radial pair, of rotational stiffness k_t h²/2, and both hinges' own
+// 2 k_r; the weight goes half to each hinge.
+TEST(ReactionsTest, ElasticHingesShareADoorByTheirStiffness) {
+  EngineProbe engine(make_elastic_door());
+  const State state = make_drawn_state(*engine.system);
+  const double weight = 20 * 9.81, b = 0.45, h = 1.7;
+  const double pair = 0.5 * kRadial * h * h;
+  const double couple = weight * b / h * pair / (pair + 2 * kBend);
+  const double moment = 0.5 * (weight * b - couple * h);
+  const auto reactions = engine.reactions(state, engine.forward(state));
+  const double wanted[2][6] = {{couple, 0, weight / 2, 0, -moment, 0}, {-couple, 0, weight / 2, 0, -moment, 0}};
+  for (int j = 0; j < 2; ++j) {
+    for (int k = 0; k < 6; ++k) {
+      EXPECT_NEAR(reactions[j].value[k], wanted[j][k], 1e-10 * std::max(1.0, std::abs(wanted[j][k]))) << j << k;
+      EXPECT_EQ(reactions[j].status[k], k == 5 ? kUnique : ReactionStatus::kDistributed);
+    }
+  }
+}
+
+// Closed form: a rigid beam on n equal springs carries a load P at x_P as P/n and by its moment about the middle.
+TEST(ReactionsTest, ABeamOnEqualSprings) {
+  const std::vector<double> places = {0, 0.4, 1.1, 1.5, 2.3};
+  const double x_P = 0.7, mass = 12, P = mass * 9.81;
+  ModelSpec spec;
+  spec.bodies = {box_body("beam", {x_P, 0, 0}, {2.5, 0.1, 0.1}, mass)};
+  spec.joints = {joint(JointType::kPlanar, "guide", "ground", "beam", {0, 0, 0}, {0, 1, 0})};
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    spec.joints.push_back(joint(JointType::kPointOnPlane, numbered("support", static_cast<int>(i)), "ground", "beam",
+                                {places[i], 0, 0}, {0, 0, 1}));
+    set_stiffness(spec.joints.back(), 3e5, kRigid);
+  }
+  EngineProbe engine(spec);
+  const State state = make_drawn_state(*engine.system);
+  const auto reactions = engine.reactions(state, engine.forward(state));
+  double middle = 0, square = 0;
+  for (const double x : places) middle += x / 5;
+  for (const double x : places) square += (x - middle) * (x - middle);
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const double wanted = P * (0.2 + (places[i] - middle) * (x_P - middle) / square);
+    EXPECT_EQ(reactions[i + 1].status[2], ReactionStatus::kDistributed);
+    EXPECT_NEAR(reactions[i + 1].value[2] / wanted, 1, 1e-10) << i;
+    EXPECT_EQ(reactions[i + 1].status[0], kUnique) << "the plane holds no force along it";
+  }
+  for (int k = 0; k < 6; ++k) EXPECT_EQ(reactions[0].status[k], kUnique) << kComponentNames[k];
+}
+
+TEST(ReactionsTest, StiffnessIsUsedOnlyWhereItIsWanted) {
+  EngineProbe engine(make_elastic_door());
+  const State state = make_drawn_state(*engine.system);
+  DistributionOptions options;
+  options.by = DistributionBy::kNothing;
+  DistributionOutcome outcome;
+  for (const JointReaction& r : solve(engine, state, options, &outcome)) EXPECT_EQ(r.status[0], kUndetermined);
+  EXPECT_FALSE(outcome.used);
+  options.by = DistributionBy::kEqualStiffness;
+  const auto equal = solve(engine, state, options, &outcome);
+  EXPECT_TRUE(outcome.used);
+  // k for forces and k L² for moments, L the spacing of the hinges: the pair turns with k h²/2, the hinges with 2 k h².
+  EXPECT_NEAR(equal[0].value[0] / (20 * 9.81 * 0.45 / 1.7 * 0.5 / 2.5), 1, 1e-10);
+}
+
+TEST(ReactionsTest, MisalignmentLoadsElasticJointsAndContradictsRigidOnes) {
+  ModelSpec spec = make_elastic_door();
+  const State none = make_drawn_state(*EngineProbe(spec).system);
+  EngineProbe straight(spec);
+  set_misalignment(spec.joints[1], number3(0, 0, 1e-4), number3(0, 0, 0));
+  EngineProbe off(spec);
+  const auto before = solve(straight, none, {}), after = solve(off, none, {});
+  EXPECT_NEAR(after[1].value[2] - before[1].value[2], -0.5 * kAxial * 1e-4, 1e-9);
+  EXPECT_NEAR(after[0].value[2] - before[0].value[2], 0.5 * kAxial * 1e-4, 1e-9);
+  for (JointSpec& hinge : spec.joints) hinge.stiffness.reset();
+  EngineProbe rigid(spec);
+  DistributionOutcome outcome;
+  const auto reactions = solve(rigid, none, {}, &outcome);
+  EXPECT_EQ(outcome.contradictory, (std::vector<std::string>{"hinge1", "hinge2"}));
+  for (int k = 0; k < 5; ++k) EXPECT_EQ(reactions[0].status[k], kUndetermined);
+}
+
+TEST(ReactionsTest, StiffnessOfAnyOneBricardJointDeterminesAllReactions) {
+  for (std::size_t j = 0; j < 6; ++j) {
+    ModelSpec spec = make_bricard(BricardRods::kBricks);
+    set_stiffness(spec.joints[j], 1e6, 1e4);
+    EngineProbe engine(spec);
+    const State state = engine.wandered(2);
+    for (const JointReaction& r : engine.reactions(state, engine.forward(state))) {
+      for (int k = 0; k < 6; ++k) EXPECT_NE(r.status[k], kUndetermined) << j << kComponentNames[k];
+    }
+  }
+}
+
+/// Force and moment of every joint, for mechanisms whose reactions are all determined.
+MatrixXd wrenches(const std::vector<JointReaction>& reactions) {
+  MatrixXd out(6, static_cast<long>(reactions.size()));
+  for (std::size_t j = 0; j < reactions.size(); ++j) {
+    for (int k = 0; k < 6; ++k) {
+      EXPECT_NE(reactions[j].status[k], kUndetermined);
+      out(k, static_cast<long>(j)) = reactions[j].value[k];
+    }
+  }
+  return out;
+}
+
+TEST(ReactionsTest, DistributedReactionsAreTheSameHoweverTheMechanismIsDescribed) {
+  for (const ModelSpec& plain :
+       {make_four_bar(FourBarJoints::kRevolute), make_bricard(BricardRods::kBricks), make_parallel_cranks()}) {
+    ModelSpec spec = plain;
+    spec.gravity = number3(1, -9.81, 6);
+    set_random_stiffness(spec, 6, 2, 8);
+    for (const auto by : {DistributionBy::kJointStiffness, DistributionBy::kEqualStiffness}) {
+      DistributionOptions options;
+      options.by = by;
+      EngineProbe engine(spec);
+      const State state = make_drawn_state(*engine.system);
+      const MatrixXd wanted = wrenches(solve(engine, state, options));
+
+      RandomSource random(3);
+      const Matrix3d R = random.rotation();
+      EngineProbe turned(rotated(spec, R));
+      MatrixXd got = wrenches(solve(turned, make_drawn_state(*turned.system), options));
+      got.topRows<3>() = (R.transpose() * got.topRows<3>()).eval();
+      got.bottomRows<3>() = (R.transpose() * got.bottomRows<3>()).eval();
+      EXPECT_TRUE(matrices_near(got, wanted, 1e-9));
+
+      EngineProbe small(scaled(spec, 1e-3));
+      got = wrenches(solve(small, make_drawn_state(*small.system), options));
+      got.topRows<3>() *= 1e3;
+      got.bottomRows<3>() *= 1e6;
+      EXPECT_TRUE(matrices_near(got, wanted, 1e-9));
+
+      for (std::size_t cut = 0; cut < spec.joints.size(); ++cut) {
+        TopologyOptions choice;
+        choice.cut.assign(spec.joints.size(), false);
+        choice.cut[cut] = true;
+        EngineProbe other(spec, choice);
+        got = wrenches(solve(other, make_drawn_state(*other.system), options));
+        EXPECT_TRUE(matrices_near(got, wanted, 1e-9)) << "cut " << cut;
+      }
+
+      EngineProbe mixed(permuted(spec, 11));
+      const auto reactions = solve(mixed, make_drawn_state(*mixed.system), options);
+      const MatrixXd shuffled = wrenches(reactions);
+      for (std::size_t j = 0; j < spec.joints.size(); ++j) {
+        const auto there = mixed.model().find_joint(spec.joints[j].name.name)->index();
+        EXPECT_TRUE(matrices_near(shuffled.col(static_cast<long>(there)), wanted.col(static_cast<long>(j)), 1e-9));
+      }
+    }
+  }
+}
+
+TEST(ReactionsTest, RangesHoldTheValueAndAreTheValueWhereItIsUnique) {
+  ModelSpec spec = make_four_bar(FourBarJoints::kRevolute);
+  spec.gravity = number3(1, -9.81, 6);
+  set_random_stiffness(spec, 2, 3, 6);
+  EngineProbe engine(spec);
+  const State state = engine.wandered(4);
+  DistributionOptions options;
+  options.range = StiffnessRange{0.5, 2};
+  DistributionOutcome outcome;
+  int wide = 0;
+  for (const JointReaction& r : solve(engine, state, options, &outcome)) {
+    for (int k = 0; k < 6; ++k) {
+      EXPECT_LE(r.low[k], r.value[k] + 1e-9);
+      EXPECT_GE(r.high[k], r.value[k] - 1e-9);
+      if (r.status[k] == kUnique) {
+        EXPECT_EQ(r.high[k], r.low[k]);
+      }
+      if (r.high[k] - r.low[k] > 1e-3 * std::abs(r.value[k])) ++wide;
+    }
+  }
+  EXPECT_EQ(outcome.bounds, BoundsMethod::kExact);
+  EXPECT_GE(wide, 8);
 }
 
 TEST(ReactionsTest, WrongSizesAreACallersBug) {
