@@ -4,6 +4,7 @@
 //
 //   "analyze":  an object that `ferrers analyze FILE --json` must contain (objects are compared key by key), and the
 //               keys below that sum or look up something: `unique_rows_total`, `unique_dimension_total`, `confident`.
+//               With `exit_code` the command must end with it, `ok` false, and say all of `errors` on stderr.
 //   "simulate", "inverse", "kinematics": one run or a list of runs, each an object of
 //     "args":             more arguments; `-o FOLDER` is added
 //     "result":           [{t, column, value, tolerance}]: a cell of result.csv, absolute tolerance
@@ -347,11 +348,18 @@ class ExampleTest : public testing::TestWithParam<Example> {
   void check_analyze(const ordered_json& facts, const fs::path& scratch) {
     const CommandResult run = run_command({"analyze", model(), "--json"}, scratch);
     SCOPED_TRACE(run.line);
-    ASSERT_EQ(run.exit_code, 0) << run.output << run.errors;
+    const int exit_code = facts.value("exit_code", 0);
+    ASSERT_EQ(run.exit_code, exit_code) << run.output << run.errors;
     const ordered_json report = ordered_json::parse(run.output, nullptr, /*allow_exceptions=*/false);
     ASSERT_TRUE(report.is_object()) << "stdout is not one JSON object:\n" << run.output;
-    EXPECT_EQ(report.value("ok", ordered_json()), true) << report.value("diagnostics", ordered_json());
-    check_analysis(report, facts);
+    EXPECT_EQ(report.value("ok", ordered_json()), exit_code == 0) << report.value("diagnostics", ordered_json());
+    for (const auto& text : facts.value("errors", ordered_json::array())) {
+      EXPECT_NE(run.errors.find(text.get<std::string>()), std::string::npos) << text << " is not in:\n" << run.errors;
+    }
+    ordered_json plain = facts;
+    plain.erase("exit_code");
+    plain.erase("errors");
+    check_analysis(report, plain);
   }
 
   void check_run(const ordered_json& facts, const fs::path& scratch) {

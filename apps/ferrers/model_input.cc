@@ -75,6 +75,25 @@ std::string gap_text(const Model& model, const OpenJoint& open) {
                      number(open.angle_rad * 180 / std::numbers::pi));
 }
 
+// A joint's share of what is missed, or that it takes part.
+std::string share_text(const JointGap& gap, bool elastic) {
+  if (gap.gap_m == 0 && gap.angle_rad == 0) return fmt::format("'{}' takes part in the contradiction", gap.joint);
+  return fmt::format("joint '{}' {} give {} and {}{}", gap.joint, elastic ? "has to" : "would have to",
+                     length_text(gap.gap_m), angle_text(gap.angle_rad), elastic ? "" : ", if all gave alike");
+}
+
+void report_contradiction(LoadedModel& loaded, const ContradictionReport& contradiction) {
+  report(loaded, "F510", {}, contradiction.text, contradiction.hint);
+  std::size_t shown = 0;
+  for (const Contradiction& one : contradiction.contradictions) {
+    for (const JointGap& gap : one.joints) {
+      if (shown++ == kMostOpenJoints) return;
+      report(loaded, "F511", place_of(loaded.model->spec(), gap.joint),
+             share_text(gap, contradiction.verdict == ClosureVerdict::kElastic));
+    }
+  }
+}
+
 }  // namespace
 
 void add_model_options(CLI::App& verb, ModelOptions& options) {
@@ -128,6 +147,11 @@ std::string write_model_if_asked(const ModelOptions& options, const LoadedModel&
 }
 
 void report_open(LoadedModel& loaded, const AssemblyResult& assembly) {
+  report_open(loaded, assembly, analyze_contradiction(*make_system(loaded.model), assembly));
+}
+
+void report_open(LoadedModel& loaded, const AssemblyResult& assembly, const ContradictionReport& contradiction) {
+  if (!contradiction.contradictions.empty()) return report_contradiction(loaded, contradiction);
   const bool initial = assembly.status == AssemblyStatus::kInconsistentInitial;
   report(loaded, initial ? "F503" : "F501", {}, assembly.message,
          initial ? "leave positions out of 'initial', or mark them 'guess: true'"

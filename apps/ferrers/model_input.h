@@ -8,6 +8,7 @@
 
 #include "ferrers/io/model_reader.h"
 #include "ferrers/kinematics/assembly.h"
+#include "ferrers/redundancy/contradiction.h"
 
 /// The part that every verb with a model shares: its options, reading, and telling what is wrong.
 
@@ -43,7 +44,10 @@ std::string model_text(const ModelOptions& options, const LoadedModel& loaded);
 /// Does `--write-model`. Returns what went wrong, or an empty text.
 std::string write_model_if_asked(const ModelOptions& options, const LoadedModel& loaded);
 
-/// Reports why a mechanism is not assembled, with the gaps of the joints that stay open.
+/// Reports why a mechanism is not assembled: contradictory geometry with its misclosure and joints, else the gaps of
+/// the joints that stay open.
+void report_open(LoadedModel& loaded, const ferrers::AssemblyResult& assembly,
+                 const ferrers::ContradictionReport& contradiction);
 void report_open(LoadedModel& loaded, const ferrers::AssemblyResult& assembly);
 
 /// Prints a fault of the command line or of a file to be written; returns its exit code.

@@ -89,6 +89,8 @@ const std::vector<DiagnosticCode>& diagnostic_codes() {
       {"F507", "redundancy ended"},
       {"F508", "prescribed motion"},
       {"F509", "not supported"},
+      {"F510", "geometry contradicts itself"},
+      {"F511", "joint of a contradiction"},
   };
   return codes;
 }
