@@ -17,7 +17,7 @@ constexpr double kBlurred = 10;             // a misclosure ε hides singular va
 constexpr double kNoMisclosure = 1e-11;     // relative to size: hides nothing that is not zero already
 constexpr double kSureMisclosure = 1e-8;    // too large to be the rounding of input in double precision
 constexpr double kTraceOfMisclosure = .01;  // the least singular value, over ε/size, that may come from ε
-constexpr double kHealthyPivot = 1e-3;
+constexpr double kHealthyPivot[kPivotRounds] = {0.1, 1e-2, 1e-3};
 
 double gap_between(double upper, double lower) { return lower <= upper / kLargestGap ? kLargestGap : upper / lower; }
 
@@ -104,7 +104,7 @@ bool is_negligible(double value, double scale) {
 
 bool is_surely_zero(double value, double blur) { return std::abs(value) <= 0.1 * std::max(kSurelyZero, blur); }
 
-bool is_healthy_pivot(double value) { return std::abs(value) >= kHealthyPivot; }
+bool is_healthy_pivot(double value, int round) { return std::abs(value) >= kHealthyPivot[round]; }
 
 bool is_worn_pivot(double pivot, double healthy) { return !(std::abs(pivot) > kWornPivot * std::abs(healthy)); }
 

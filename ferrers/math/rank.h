@@ -44,9 +44,12 @@ Eigen::VectorXd compute_singular_values(const Eigen::MatrixXd& A);
 bool is_negligible(double value, double scale);
 
 /// For eliminations that decide what is clear and leave the rest: zero by the rule of `decide_rank` with a margin of
-/// ten, in a matrix scaled to one; and far enough from zero to be divided by.
+/// ten, in a matrix scaled to one.
 bool is_surely_zero(double value, double blur = 0);
-bool is_healthy_pivot(double value);
+/// Far enough from zero to be divided by. The first of `kPivotRounds` rounds is choosy, so that errors do not grow where
+/// there is a choice; the last takes whatever is surely nonzero with a margin.
+constexpr int kPivotRounds = 3;
+bool is_healthy_pivot(double value, int round);
 
 /// True when a pivot that was healthy when rows and columns were chosen has become too small to go on with that choice.
 bool is_worn_pivot(double pivot, double healthy);

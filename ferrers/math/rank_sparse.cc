@@ -44,6 +44,7 @@ struct SparseRank::Eliminator {
   std::vector<long> degree = {};                   ///< Per column: an upper bound of how many neighbours it has.
   std::vector<int> tried = {};                     ///< Per column: the element that it could not be eliminated from.
   std::vector<bool> done = {};
+  int round = 0;  ///< How choosy pivots are (math/rank.h).
   std::priority_queue<std::pair<long, int>, std::vector<std::pair<long, int>>, std::greater<>> queue = {};
 
   void run(std::vector<RowBlock> blocks) {
@@ -58,14 +59,22 @@ struct SparseRank::Eliminator {
       for (const int row : block.rows) sources.push_back({-1, row});
       finish_front(std::move(sources), std::move(block.columns), 0, std::move(block.A));
     }
-    while (!queue.empty()) {
-      const auto [known_degree, column] = queue.top();
-      queue.pop();
-      if (!done[column] && known_degree == degree[column]) eliminate(column);
+    for (; round < kPivotRounds; ++round) {
+      tried.assign(n, -1);
+      for (int column = 0; column < out.n_; ++column) push(column);
+      empty_queue();
     }
     gather_cores();
     for (int column = 0; column < out.n_; ++column) {
       if (!done[column]) add_dead_column(column);
+    }
+  }
+
+  void empty_queue() {
+    while (!queue.empty()) {
+      const auto [known_degree, column] = queue.top();
+      queue.pop();
+      if (!done[column] && known_degree == degree[column]) eliminate(column);
     }
   }
 
@@ -140,8 +149,10 @@ struct SparseRank::Eliminator {
     MatrixXd rest = A;  // rows and columns that are passed on
     if (candidates > 0) {
       const Qr qr(A.leftCols(candidates));
-      const int k = leading(qr, is_healthy_pivot);
-      const int live = leading(qr, [&](double v) { return !is_surely_zero(v, blur); });
+      const int k = leading(qr, [&](double v) { return is_healthy_pivot(v, round); });
+      // A column is dead when nothing is left of it. What depends on an undecided column is undecided too.
+      const int nonzero = leading(qr, [&](double v) { return !is_surely_zero(v, blur); });
+      const int live = nonzero > k ? candidates : k;
       A.leftCols(candidates) = qr.matrixQR().template triangularView<Eigen::Upper>();
       A.rightCols(A.cols() - candidates).applyOnTheLeft(qr.householderQ().adjoint());
       front.Q = qr.householderQ();
