@@ -132,7 +132,8 @@ class Renamer {
 
 // Gives one joint its new type and place; `before` is the joint as it was built. Returns what stands against it.
 std::string retype(const JointChange& change, const Joint& before, const Model& model, JointSpec& spec) {
-  const bool wants_direction = joint_change_kind(spec.type, change.to) == ChangeKind::kDirected;
+  const bool other_line = change.to == JointType::kPointOnLine && change.direction.norm() > 0.5;
+  const bool wants_direction = other_line || joint_change_kind(spec.type, change.to) == ChangeKind::kDirected;
   if (wants_direction) {
     require(std::abs(change.direction.norm() - 1) < 1e-6, "change_joints: this change needs a unit direction");
     const bool by_body = !spec.axis.on_body.empty();

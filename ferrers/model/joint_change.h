@@ -25,7 +25,8 @@ struct JointChange {
   JointType to = JointType::kRevolute;
   /// What the new type needs and the old one does not tell: a unit vector in the joint's frame as drawn. The second
   /// axis (across z) for `universal`, the line or axis for types with an axis made of `spherical` or `weld`, the normal
-  /// for `point_on_plane` made of `point_on_line`. Zero where nothing is needed.
+  /// for `point_on_plane` made of `point_on_line`. Zero where nothing is needed; `point_on_line` made of a joint with
+  /// an axis keeps that as its line unless another is given.
   Vector3d direction = Vector3d::Zero();
 };
 

@@ -1,0 +1,217 @@
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <queue>
+
+#include "ferrers/redundancy/release_search.h"
+
+namespace ferrers {
+namespace {
+
+constexpr double kHealthy = 0.05;  // a part that is new by this much is taken for its number of rows
+constexpr double kPoorest = 1e-3;
+constexpr double kDropped = 1e-12;  // entries that are rounding
+constexpr double kContained = 1e-9;
+constexpr double kGrain = 1e-9;  // keys nearer than this are ties
+
+using SparseRow = std::vector<std::pair<int, double>>;
+
+bool is_sphere_in_cylinder_or_cross(const ReleaseKind& kind) {
+  return kind.to == JointType::kUniversal || (kind.to == JointType::kPointOnLine && kind.from == JointType::kRevolute);
+}
+
+// Rows chosen so far as an orthonormal basis of sparse rows, and what a further row adds to it.
+class RowSpace {
+ public:
+  explicit RowSpace(int columns) : of_column_(columns), work_(columns, 0.0), seen_(columns, false) {}
+
+  /// The part of a row that is orthogonal to the basis.
+  SparseRow residual(const SparseRow& row) {
+    std::vector<int> overlapping;
+    for (const auto& [column, value] : row) {
+      touch(column);
+      work_[column] += value;
+      overlapping.insert(overlapping.end(), of_column_[column].begin(), of_column_[column].end());
+    }
+    std::sort(overlapping.begin(), overlapping.end());
+    overlapping.erase(std::unique(overlapping.begin(), overlapping.end()), overlapping.end());
+    for (const int b : overlapping) {
+      double along = 0;
+      for (const auto& [column, value] : basis_[b]) along += value * work_[column];
+      for (const auto& [column, value] : basis_[b]) {
+        touch(column);
+        work_[column] -= along * value;
+      }
+    }
+    SparseRow out;
+    std::sort(touched_.begin(), touched_.end());
+    for (const int column : touched_) {
+      if (std::abs(work_[column]) > kDropped) out.emplace_back(column, work_[column]);
+      work_[column] = 0;
+      seen_[column] = false;
+    }
+    touched_.clear();
+    return out;
+  }
+
+  void add(const SparseRow& row) {
+    SparseRow rest = residual(residual(row));  // twice is enough
+    double size = 0;
+    for (const auto& [column, value] : rest) size += value * value;
+    size = std::sqrt(size);
+    for (auto& [column, value] : rest) {
+      value /= size;
+      of_column_[column].push_back(static_cast<int>(basis_.size()));
+    }
+    basis_.push_back(std::move(rest));
+  }
+
+ private:
+  void touch(int column) {
+    if (!seen_[column]) touched_.push_back(column);
+    seen_[column] = true;
+  }
+  std::vector<SparseRow> basis_;
+  std::vector<std::vector<int>> of_column_;
+  std::vector<double> work_;
+  std::vector<bool> seen_;
+  std::vector<int> touched_;
+};
+
+double dot(const SparseRow& a, const SparseRow& b) {
+  double sum = 0;
+  for (std::size_t i = 0, k = 0; i < a.size() && k < b.size();) {
+    if (a[i].first == b[k].first) {
+      sum += a[i++].second * b[k++].second;
+    } else if (a[i].first < b[k].first) {
+      ++i;
+    } else {
+      ++k;
+    }
+  }
+  return sum;
+}
+
+SparseRow combined(const std::vector<SparseRow>& rows, const VectorXd& weights) {
+  SparseRow all, merged;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    for (const auto& [column, value] : rows[i]) all.emplace_back(column, weights[static_cast<long>(i)] * value);
+  }
+  std::sort(all.begin(), all.end());
+  for (const auto& [column, value] : all) {
+    if (!merged.empty() && merged.back().first == column) {
+      merged.back().second += value;
+    } else {
+      merged.emplace_back(column, value);
+    }
+  }
+  return merged;
+}
+
+class Greedy {
+ public:
+  Greedy(const ReleaseGroup& group, const SpinAnalyzer& spins, const GreedyRules& rules)
+      : group_(group), space_(group.size()) {
+    for (std::size_t c = 0; c < group.candidates.size(); ++c) {
+      const ReleaseCandidate& one = group.candidates[c];
+      const ReleaseKind& kind = release_kinds()[one.kind];
+      const auto [a, b] = spins.bodies_of(one.joint);
+      const bool on_ground = spins.is_fixed(a) || spins.is_fixed(b);
+      const bool allowed = (kind.count == 1 || rules.removal) && !(rules.moving_only && on_ground && kind.is_bearing) &&
+                           !(rules.slide_and_align_only && is_sphere_in_cylinder_or_cross(kind));
+      if (allowed) of_joint_[one.joint].push_back(static_cast<int>(c));
+    }
+  }
+
+  std::vector<int> run() {
+    for (const auto& [joint, candidates] : of_joint_) {
+      for (const int c : candidates) push(c);
+    }
+    int released = 0;
+    while (!queue_.empty() && released < group_.size()) {
+      const Entry top = queue_.top();
+      queue_.pop();
+      const std::vector<SparseRow> rows = new_rows(top.candidate);
+      const double now = key(top.candidate, rows);
+      if (now < 0) continue;
+      if (!queue_.empty() && now < queue_.top().key - kGrain) {
+        queue_.push({now, top.candidate});
+        continue;
+      }
+      for (const SparseRow& row : rows) space_.add(row);
+      released += static_cast<int>(rows.size());
+      const int joint = group_.candidates[top.candidate].joint;
+      chosen_[joint] = top.candidate;
+      for (const int c : of_joint_[joint]) {
+        if (c != top.candidate) push(c);
+      }
+    }
+    std::vector<int> out;
+    for (const auto& [joint, candidate] : chosen_) out.push_back(candidate);
+    return out;
+  }
+
+ private:
+  struct Entry {
+    double key;
+    int candidate;
+    bool operator<(const Entry& o) const {
+      return std::abs(key - o.key) > kGrain ? key < o.key : candidate > o.candidate;
+    }
+  };
+
+  void push(int c) {
+    const double k = key(c, new_rows(c));
+    if (k >= 0) queue_.push({k, c});
+  }
+
+  // What a candidate releases beyond what its joint has released already; empty where it does not contain that.
+  std::vector<SparseRow> new_rows(int c) const {
+    const ReleaseCandidate& one = group_.candidates[c];
+    const auto chosen = chosen_.find(one.joint);
+    if (chosen == chosen_.end()) return one.block;
+    const MatrixXd& old = group_.candidates[chosen->second].rows;
+    const MatrixXd shared = one.rows.transpose() * old;
+    if (one.k() <= old.cols() || (one.rows * shared - old).cwiseAbs().maxCoeff() > kContained) return {};
+    const MatrixXd full = shared.householderQr().householderQ();
+    std::vector<SparseRow> rows;
+    for (int i = static_cast<int>(old.cols()); i < one.k(); ++i) rows.push_back(combined(one.block, full.col(i)));
+    return rows;
+  }
+
+  // Number of rows plus the weighted conditioning of what is new; negative where nothing is.
+  double key(int c, const std::vector<SparseRow>& rows) {
+    if (rows.empty()) return -1;
+    const int k = static_cast<int>(rows.size());
+    std::vector<SparseRow> rest;
+    for (const SparseRow& row : rows) rest.push_back(space_.residual(row));
+    MatrixXd gram(k, k);
+    for (int a = 0; a < k; ++a) {
+      for (int b = 0; b <= a; ++b) gram(a, b) = gram(b, a) = dot(rest[a], rest[b]);
+    }
+    const double least =
+        k == 1 ? gram(0, 0) : Eigen::SelfAdjointEigenSolver<MatrixXd>(gram, Eigen::EigenvaluesOnly).eigenvalues()[0];
+    const double fresh = std::sqrt(std::max(0.0, least));
+    if (fresh < kPoorest) return -1;
+    const double weighted = std::min(fresh, 1.0) * group_.candidates[c].preference;
+    return fresh > kHealthy ? k + weighted : weighted;
+  }
+
+  const ReleaseGroup& group_;
+  RowSpace space_;
+  std::map<int, std::vector<int>> of_joint_;
+  std::map<int, int> chosen_;
+  std::priority_queue<Entry> queue_;
+};
+
+}  // namespace
+
+ReleaseSet choose_greedily(const ReleaseGroup& group, const SpinAnalyzer& spins, const GreedyRules& rules) {
+  ReleaseSet set = make_release_set(group, Greedy(group, spins, rules).run());
+  if (!set.candidates.empty()) set.conditioning = release_conditioning(group, set.candidates);
+  return set;
+}
+
+}  // namespace ferrers
