@@ -2,6 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <cmath>
 #include <random>
 
 #include "ferrers/redundancy/reduced_closure.h"
@@ -12,6 +13,7 @@ namespace {
 constexpr double kNearStep = 0.2;     // rad, or characteristic lengths
 constexpr double kSameTangent = 0.2;  // largest sine between tangent spaces that count as one
 constexpr int kMostBranches = 16;
+constexpr int kLarge = 60;  // coordinates: more than that, and fewer poses must do
 
 /// A pose away from the given one.
 struct Reached {
@@ -54,8 +56,8 @@ class Walker {
   }
 
   /// The flexes at the pose that was looked at last.
-  FlexCone flexes(const LocalMotion& local, int starts, double blur = 0) {
-    return find_second_order_flexes(compute_second_order_forms(probe_, local, blur), starts, options_.seed, blur);
+  FlexCone flexes(const LocalMotion& local, int starts) {
+    return find_second_order_flexes(compute_second_order_forms(probe_, local), starts, options_.seed);
   }
 
   /// A step of `size` (largest coordinate, rad or characteristic lengths) along x (scaled), then the loops closed.
@@ -83,7 +85,8 @@ class Walker {
     return first;
   }
 
-  /// The branch that a reached pose is on.
+  /// The branch that a reached pose is on. Where its rank is lower than its dimension tells, it is so all along: then
+  /// the forms' gradients vanish along it, and its tangent is where all forms and their gradients do.
   Judged judge(const State& state) {
     Judged out{look_away(state), {}};
     const int w = out.local.mobility();
@@ -91,8 +94,8 @@ class Walker {
       out.tangent = out.local.N;
       return out;
     }
-    const FlexCone cone = flexes(out.local, std::max(6, 3 * w), kDoubleZeroBlur);
-    out.tangent = cone.is_linear ? MatrixXd(out.local.N * cone.span) : MatrixXd(out.local.N.rows(), 0);
+    const CommonKernel kernel = find_common_kernel(compute_second_order_forms(probe_, out.local, kDoubleZeroBlur));
+    out.tangent = kernel.confident ? MatrixXd(out.local.N * kernel.basis) : MatrixXd(out.local.N.rows(), 0);
     return out;
   }
 
@@ -115,8 +118,12 @@ class Walker {
 /// The analysis of one pose.
 class Analysis {
  public:
-  Analysis(const ClusterSystem& cluster, const State& pose, const BranchOptions& options)
-      : cluster_(cluster), pose_(pose), options_(options), walker_(cluster, pose, options), random_(options.seed) {}
+  Analysis(const ClusterSystem& cluster, const State& pose, BranchOptions options)
+      : cluster_(cluster), pose_(pose), options_(options), walker_(cluster, pose, options), random_(options.seed) {
+    if (cluster.system.nv <= kLarge) return;
+    options_.configurations = std::min(options_.configurations, 4);
+    options_.starts = std::min(options_.starts, 4);
+  }
 
   ClusterMotion run() {
     const LocalMotion local = walker_.look(pose_);
@@ -125,10 +132,11 @@ class Analysis {
     out_.redundant = local.redundant();
     if (out_.mobility == 0 || out_.redundant == 0) {
       out_.basis = FiniteMobilityBasis::kFirstOrder;
-      if (out_.mobility > 0) add_branch(local.N, local, 1);
+      if (out_.mobility > 0) out_.branches.push_back({out_.mobility, out_.mobility, out_.redundant, 1, local.N});
       return std::move(out_);
     }
     out_.second_order_done = out_.mobility <= options_.largest_order_2;
+    out_.all_branches = out_.second_order_done;
     FlexCone cone;
     if (out_.second_order_done) cone = walker_.flexes(local, options_.starts);
     if (cone.is_rigid) {
@@ -148,23 +156,21 @@ class Analysis {
 
   // Nothing obstructs any direction at second order: is it a pose like its neighbours? Then one branch goes through it.
   void try_regular(const LocalMotion& local, ReducedClosure& closure) {
-    for (int i = 0; i < options_.configurations; ++i) {
-      const VectorXd z = direction(out_.mobility, i);
-      const VectorXd x = local.N * z;
+    MotionBranch found{out_.mobility, out_.mobility, out_.redundant, 0, local.N};
+    for (int i = 0; i < 2 * options_.configurations && out_.configurations < options_.configurations; ++i) {
+      const VectorXd x = local.N * direction(out_.mobility, i);
       const auto there = walker_.step(pose_, closure, x, 0.35 / (1 + i % 3));
       if (!there || !follows(local.N, there->way, x)) continue;
       const Judged reached = walker_.judge(there->state);
       if (reached.dimension() != out_.mobility) {  // singular after all
-        out_.branches.clear();
         out_.configurations = 0;
         return;
       }
       note(reached.local);
       ++out_.configurations;
-      if (out_.branches.empty()) add_branch(local.N, reached.local, 0);
-      ++out_.branches.front().samples;
-      walk_on(there->state, reached.local, reached.tangent, out_.branches.front());
+      if (walk_on(there->state, reached.local, reached.tangent, found)) ++found.samples;
     }
+    if (found.samples > 0) out_.branches.push_back(found);
   }
 
   // The way taken keeps to the direction asked for.
@@ -179,18 +185,19 @@ class Analysis {
     return z;
   }
 
-  // A further step on the branch, which confirms that it moves along its tangent; the rank there counts too.
+  // A further step on the branch, in a random direction of its tangent, which confirms that it moves along its tangent; the rank there counts too.
   bool walk_on(const State& from, const LocalMotion& local, const MatrixXd& tangent, MotionBranch& branch) {
     ReducedClosure closure(cluster_, local);
     for (int attempt = 0; attempt < 3; ++attempt) {
       const VectorXd x = tangent * direction(static_cast<int>(tangent.cols()), attempt);
       const auto there = walker_.step(from, closure, x, 0.25 / (1 << attempt));
       if (!there || !follows(local.N, there->way, x)) continue;
-      const LocalMotion reached = walker_.look_away(there->state);
+      const Judged reached = walker_.judge(there->state);
+      if (reached.dimension() != static_cast<int>(tangent.cols())) continue;  // one of the two is a special pose
       ++out_.configurations;
-      if (reached.mobility() < branch.mobility) {
-        branch.mobility = reached.mobility();
-        branch.redundant = reached.redundant();
+      if (reached.local.mobility() < branch.mobility) {
+        branch.mobility = reached.local.mobility();
+        branch.redundant = reached.local.redundant();
       }
       return true;
     }
@@ -208,10 +215,27 @@ class Analysis {
     int walks = 0;
     for (const VectorXd& x : ways) {
       if (++walks > 2 * options_.starts || settled(walks)) break;
-      for (const double size : {kNearStep, kNearStep / 4}) {
-        if (follow(closure, x, size)) break;
+      walk(closure, x);
+    }
+    look_elsewhere(local, closure);
+  }
+
+  // Tries the directions at right angles to the branches that are known, until no more are found.
+  void look_elsewhere(const LocalMotion& local, ReducedClosure& closure) {
+    for (std::size_t b = 0; b < out_.branches.size() && b < 4; ++b) {
+      const MatrixXd known = local.N.transpose() * out_.branches[b].tangent;
+      for (int i = 0; i < options_.starts / 3; ++i) {
+        VectorXd z = direction(out_.mobility, i);
+        z -= known * (known.transpose() * z);
+        walk(closure, local.N * z);
       }
     }
+  }
+
+  void walk(ReducedClosure& closure, const VectorXd& x) {
+    // In many freedoms at once the largest coordinate says little about each.
+    const double size = kNearStep * std::sqrt(std::max(1.0, 0.5 * out_.mobility));
+    if (!follow(closure, x, size)) follow(closure, x, size / 4);
   }
 
   // Every branch was met several times: more walks would find the same.
@@ -249,8 +273,10 @@ class Analysis {
   void count(const MatrixXd& half, const MatrixXd& far, MotionBranch found) {
     found.tangent = extrapolate(half, far);
     found.samples = 1;
+    // How much it turns on the way bounds what extrapolation leaves.
+    const double allowed = std::clamp(sine_between(far, half), kSameTangent, 2 * kSameTangent);
     for (MotionBranch& known : out_.branches) {
-      if (known.dimension != found.dimension || sine_between(found.tangent, known.tangent) > kSameTangent) continue;
+      if (known.dimension != found.dimension || sine_between(found.tangent, known.tangent) > allowed) continue;
       ++known.samples;
       if (found.mobility < known.mobility) {
         known.mobility = found.mobility;
@@ -265,16 +291,6 @@ class Analysis {
     }
   }
 
-  void add_branch(const MatrixXd& tangent, const LocalMotion& there, int samples) {
-    MotionBranch branch;
-    branch.dimension = static_cast<int>(tangent.cols());
-    branch.mobility = there.mobility();
-    branch.redundant = there.redundant();
-    branch.samples = samples;
-    branch.tangent = tangent;
-    out_.branches.push_back(std::move(branch));
-  }
-
   void finish() {
     if (out_.branches.empty()) return;  // not established
     out_.basis = FiniteMobilityBasis::kContinuation;
@@ -284,7 +300,7 @@ class Analysis {
 
   const ClusterSystem& cluster_;
   const State& pose_;
-  const BranchOptions& options_;
+  BranchOptions options_;
   Walker walker_;
   std::mt19937 random_;
   ClusterMotion out_;

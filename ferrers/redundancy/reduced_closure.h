@@ -27,6 +27,8 @@ class ReducedClosure {
   void factorize();
   bool restore(State& state);
   VectorXd correction();
+  bool improve(const VectorXd& step, double part, double wanted, State& state);
+  double remainder() const;
   void move(const VectorXd& x, State& state) const;
   bool is_any_flipped() const;
 

@@ -1,6 +1,7 @@
 #include "ferrers/redundancy/second_order.h"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/QR>
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
@@ -21,6 +22,17 @@ VectorXd random_direction(int size, std::mt19937& random) {
   return z.normalized();
 }
 
+// min |J x + f|² + μ² |x|²: no rank is decided, so that steps go on where two zeros meet.
+VectorXd damped_step(const MatrixXd& J, const VectorXd& f, double mu) {
+  const long m = J.rows(), n = J.cols();
+  MatrixXd A = MatrixXd::Zero(m + n, n);
+  A.topRows(m) = J;
+  A.bottomRows(n).diagonal().setConstant(mu);
+  VectorXd b = VectorXd::Zero(m + n);
+  b.head(m) = -f;
+  return A.householderQr().solve(b);
+}
+
 // Gauss-Newton onto the common zeros from z, staying on the unit sphere.
 bool descend(const QuadraticForms& forms, VectorXd& z) {
   constexpr int kIterations = 80;
@@ -30,7 +42,7 @@ bool descend(const QuadraticForms& forms, VectorXd& z) {
     const double size = f.norm();
     if (size < 1e-16 || (size > 0.9 * last && is_negligible(size, 1.0))) break;
     last = size;
-    VectorXd step = -solve_least_norm(forms.gradient(z), f).x;
+    VectorXd step = damped_step(forms.gradient(z), f, 1e-14);
     if (step.norm() > 0.5) step *= 0.5 / step.norm();
     z = (z + step).normalized();
   }
@@ -119,14 +131,14 @@ void find_span(const QuadraticForms& forms, FlexCone& cone) {
 }
 
 // A single semidefinite form vanishes on its null space and nowhere else.
-bool solve_semidefinite(const QuadraticForms& forms, int starts, double blur, std::mt19937& random, FlexCone& cone) {
+bool solve_semidefinite(const QuadraticForms& forms, int starts, std::mt19937& random, FlexCone& cone) {
   if (forms.A.size() != 1) return false;
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(forms.A[0]);
   std::vector<int> order(forms.size);  // largest first, whatever the sign
   std::iota(order.begin(), order.end(), 0);
   const VectorXd size = eigen.eigenvalues().cwiseAbs();
   std::sort(order.begin(), order.end(), [&](int a, int b) { return size[a] > size[b]; });
-  const RankDecision decision = decide_rank(size(order), 1.0, blur);
+  const RankDecision decision = decide_rank(size(order), 1.0);
   const VectorXd kept = eigen.eigenvalues()(order).head(decision.rank);
   if (kept.minCoeff() < 0 && kept.maxCoeff() > 0) return false;
   const int null = forms.size - decision.rank;
@@ -170,8 +182,9 @@ QuadraticForms make_quadratic_forms(const std::vector<MatrixXd>& forms, int size
   MatrixXd vectors(size * size, static_cast<long>(forms.size()));
   for (std::size_t k = 0; k < forms.size(); ++k) vectors.col(static_cast<long>(k)) = forms[k].reshaped();
   const Eigen::JacobiSVD<MatrixXd> svd(vectors, Eigen::ComputeThinU);
-  const RankDecision decision =
-      decide_rank(svd.singularValues(), std::max(1.0, svd.singularValues()[0]), blur);
+  const double scale = std::max(1.0, svd.singularValues()[0]);
+  RankDecision decision = decide_rank(svd.singularValues(), scale);
+  if (!decision.confident && blur > 0) decision = decide_rank(svd.singularValues(), scale, blur);
   out.confident = decision.confident;
   for (int k = 0; k < decision.rank; ++k) out.A.emplace_back(svd.matrixU().col(k).reshaped(size, size));
   return out;
@@ -196,7 +209,7 @@ QuadraticForms compute_second_order_forms(PoseProbe& probe, const LocalMotion& m
   return make_quadratic_forms(forms, w, blur);
 }
 
-FlexCone find_second_order_flexes(const QuadraticForms& forms, int starts, unsigned seed, double blur) {
+FlexCone find_second_order_flexes(const QuadraticForms& forms, int starts, unsigned seed) {
   FlexCone cone;
   cone.confident = forms.confident;
   std::mt19937 random(seed);
@@ -206,7 +219,7 @@ FlexCone find_second_order_flexes(const QuadraticForms& forms, int starts, unsig
     for (int i = 0; i < starts && forms.size > 0; ++i) add_if_new(random_direction(forms.size, random), cone.flexes);
     return cone;
   }
-  if (solve_semidefinite(forms, starts, blur, random, cone)) return cone;
+  if (solve_semidefinite(forms, starts, random, cone)) return cone;
   for (int i = 0; i < starts; ++i) {
     VectorXd z = random_direction(forms.size, random);
     if (descend(forms, z)) add_if_new(z, cone.flexes);
@@ -218,6 +231,17 @@ FlexCone find_second_order_flexes(const QuadraticForms& forms, int starts, unsig
   cone.span = MatrixXd::Zero(forms.size, 0);
   cone.is_rigid = is_prestress_stable(forms) || (forms.size <= kLargestSearched && has_no_zero(forms));
   return cone;
+}
+
+CommonKernel find_common_kernel(const QuadraticForms& forms) {
+  if (forms.A.empty()) return {MatrixXd::Identity(forms.size, forms.size), forms.confident};
+  MatrixXd stacked(static_cast<long>(forms.A.size()) * forms.size, forms.size);
+  for (std::size_t k = 0; k < forms.A.size(); ++k) {
+    stacked.middleRows(static_cast<long>(k) * forms.size, forms.size) = forms.A[k];
+  }
+  RankAnalysis analysis = analyze_rank(stacked, 1.0);
+  if (!analysis.decision.confident) analysis = analyze_rank(stacked, 1.0, kDoubleZeroBlur);
+  return {analysis.right_null, forms.confident && analysis.decision.confident};
 }
 
 }  // namespace ferrers

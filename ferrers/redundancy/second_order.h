@@ -48,7 +48,14 @@ struct FlexCone {
   bool is_linear = true;          ///< All of `span` are zeros, so that the cone is this subspace.
 };
 
-/// Seeded: always the same answer. `starts`: how many searches; `blur`: error of the forms.
-FlexCone find_second_order_flexes(const QuadraticForms& forms, int starts = 24, unsigned seed = 1, double blur = 0);
+/// Seeded: always the same answer. `starts`: how many searches.
+FlexCone find_second_order_flexes(const QuadraticForms& forms, int starts = 24, unsigned seed = 1);
+
+/// Where all forms and their gradients vanish: the null space that all A_k share.
+struct CommonKernel {
+  MatrixXd basis;  ///< w × d, orthonormal.
+  bool confident = true;
+};
+CommonKernel find_common_kernel(const QuadraticForms& forms);
 
 }  // namespace ferrers
