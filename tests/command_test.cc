@@ -458,6 +458,41 @@ TEST_F(CommandTest, ReactionsComeInTheAxesThatAreAskedFor) {
   EXPECT_EQ(read_text(folder_ / "world/result.csv"), read_text(folder_ / "joint/result.csv"));
 }
 
+TEST_F(CommandTest, EqualStiffnessIsNamedWhereverItsReactionsStand) {
+  const Result result = run({"simulate", bricard(), "--end", "0.1", "--distribute", "equal", "-o", "run"});
+  ASSERT_EQ(result.exit_code, 0) << result.errors;
+  EXPECT_THAT(result.output, HasSubstr("equal stiffness"));
+  EXPECT_THAT(result.output, Not(HasSubstr("undetermined")));
+  const std::string reactions = read_text(folder_ / "run/reactions.csv");
+  EXPECT_THAT(reactions, HasSubstr(",distributed"));
+  EXPECT_THAT(reactions, Not(HasSubstr("undetermined")));
+  const ordered_json summary = ordered_json::parse(read_text(folder_ / "run/summary.json"));
+  EXPECT_EQ(summary.at("distribution").at("by"), "equal stiffness");
+  EXPECT_GT(summary.at("distribution").at("length_m"), 0.0);
+}
+
+TEST_F(CommandTest, RangesOfReactionsAreColumnsOfTheirOwn) {
+  const std::string model = (kExamples / "door/model-compliant-hinges.yaml").string();
+  const Result result =
+      run({"inverse", model, "--end", "0.1", "--every", "0.1", "--stiffness-range", "0.5:2", "-o", "run"});
+  ASSERT_EQ(result.exit_code, 0) << result.errors;
+  const std::vector<std::string> lines = lines_of(folder_ / "run/reactions.csv");
+  EXPECT_EQ(lines[0], "t,joint,component,value,status,low,high");
+  int seen = 0;
+  for (const std::string& line : lines) {
+    if (line.find("0,lower,force_z,") != 0) continue;
+    ++seen;  // half the weight; between a fifth and four fifths of it
+    EXPECT_NEAR(std::stod(cell(line, 3)), 98.1, 1e-9);
+    EXPECT_NEAR(std::stod(cell(line, 5)), 196.2 / 5, 1e-9);
+    EXPECT_NEAR(std::stod(cell(line, 6)), 196.2 * 4 / 5, 1e-9);
+  }
+  EXPECT_EQ(seen, 1);
+  EXPECT_EQ(ordered_json::parse(read_text(folder_ / "run/summary.json")).at("distribution").at("bounds"), "exact");
+  for (const char* range : {"2:0.5", "0:1", "1", "a:b", "1:2:3", "1:inf"}) {
+    EXPECT_EQ(run({"inverse", model, "--stiffness-range", range}).exit_code, 2) << range;
+  }
+}
+
 // ---------------------------------------------------------------------------------------------------------------------
 // Interruption
 
@@ -515,6 +550,23 @@ TEST_F(CommandTest, NewDoesNotReplaceAFileUnlessItIsTold) {
   EXPECT_EQ(read_text(folder_ / "door.yaml"), "mine");
   EXPECT_EQ(run({"new", "door", "-o", "door.yaml", "--force"}).exit_code, 0);
   EXPECT_THAT(read_text(folder_ / "door.yaml"), StartsWith("ferrers: 1"));
+}
+
+TEST_F(CommandTest, AReleaseIsAppliedAndTheChangedModelHasNothingRedundant) {
+  const std::string model = (kExamples / "four-bar" / "model.yaml").string();
+  EXPECT_EQ(run({"analyze", model, "--apply-release", "1"}).exit_code, 2);
+  EXPECT_EQ(run({"analyze", model, "--apply-release", "99", "--write-model", "none.yaml"}).exit_code, 2);
+  EXPECT_FALSE(fs::exists(folder_ / "none.yaml"));
+  const ordered_json before = run({"analyze", model, "--json"}).json();
+  EXPECT_EQ(before.at("redundant"), 3);
+  for (const char* number : {"1", "2"}) {
+    const Result result = run({"analyze", model, "--apply-release", number, "--write-model", "released.yaml"});
+    EXPECT_EQ(result.exit_code, 0) << result.errors;
+    EXPECT_THAT(result.errors, HasSubstr("becomes"));
+    const ordered_json after = run({"analyze", "released.yaml", "--json"}).json();
+    EXPECT_EQ(after.at("redundant"), 0);
+    EXPECT_EQ(after.at("mobility"), before.at("mobility"));
+  }
 }
 
 TEST_F(CommandTest, DoctorIsWell) {

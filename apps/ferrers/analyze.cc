@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 #include <cstdio>
@@ -6,6 +8,9 @@
 #include "analysis_text.h"
 #include "exit_code.h"
 #include "ferrers/io/json_report.h"
+#include "ferrers/io/model_writer.h"
+#include "ferrers/io/run_folder.h"
+#include "ferrers/redundancy/releases.h"
 #include "model_input.h"
 #include "terminal.h"
 #include "verbs.h"
@@ -24,13 +29,44 @@ void print_json(const LoadedModel& loaded, const RedundancyReport* result,
   print(stdout, write_analysis_json(document));
 }
 
-int analyze(const ModelOptions& options) {
+struct AnalyzeOptions : ModelOptions {
+  int apply_release = 0;  ///< 1 is the first suggestion; 0: not asked for.
+};
+
+/// Does `--apply-release`. Returns what went wrong, or an empty text.
+std::string write_released_model(const AnalyzeOptions& options, const LoadedModel& loaded,
+                                 const std::vector<Release>& releases) {
+  const int count = static_cast<int>(releases.size());
+  if (options.apply_release > count) {
+    return count == 0 ? "there is no release to apply"
+                      : fmt::format("there is no release {}: {} suggested", options.apply_release,
+                                    count == 1 ? std::string("one is") : fmt::format("{} are", count));
+  }
+  const Release& release = releases[static_cast<std::size_t>(options.apply_release - 1)];
+  const JointChangeResult changed = apply_release(edited_spec(options, loaded), release);
+  if (!changed.spec) return changed.reason;
+  if (std::string error = write_file_whole(options.write_model, write_model(*changed.spec)); !error.empty()) {
+    return error;
+  }
+  print(stderr, fmt::format("ferrers: wrote '{}': {}\n", options.write_model, release.says));
+  for (const std::string& note : changed.notes) print(stderr, fmt::format("ferrers: {}\n", note));
+  return "";
+}
+
+int analyze(const AnalyzeOptions& options) {
+  if (options.apply_release > 0 && options.write_model.empty()) {
+    return command_line_error("'--apply-release' needs '--write-model FILE' to write the changed model to");
+  }
   LoadedModel loaded = load_model(options);
   if (!loaded.model) {
     if (options.json) print_json(loaded, nullptr);
     return kExitModel;
   }
-  if (const std::string error = write_model_if_asked(options, loaded); !error.empty()) return command_line_error(error);
+  if (options.apply_release == 0) {
+    if (const std::string error = write_model_if_asked(options, loaded); !error.empty()) {
+      return command_line_error(error);
+    }
+  }
   const auto system = make_system(loaded.model);
   const AssemblyResult assembly = assemble(*system);
   if (assembly.status != AssemblyStatus::kAssembled) {
@@ -40,6 +76,14 @@ int analyze(const ModelOptions& options) {
   }
   const RedundancyReport result = analyze_redundancy(*system, assembly.state);
   const PermanenceReport permanence = analyze_permanence(*system, assembly.state, result);
+  if (options.apply_release > 0) {
+    ReleaseOptions release_options;
+    release_options.permanence = &permanence;
+    const ReleaseReport releases = analyze_releases(*system, assembly.state, result, release_options);
+    if (const std::string error = write_released_model(options, loaded, releases.releases); !error.empty()) {
+      return command_line_error(error);
+    }
+  }
   if (options.json) {
     print_json(loaded, &result, &permanence);
   } else {
@@ -51,13 +95,18 @@ int analyze(const ModelOptions& options) {
 }  // namespace
 
 void add_analyze(CLI::App& command, Job& job) {
-  auto options = std::make_shared<ModelOptions>();
+  auto options = std::make_shared<AnalyzeOptions>();
   CLI::App* verb = command.add_subcommand("analyze", "mobility, redundant constraints, reactions that are unique");
   add_model_options(*verb, *options);
+  verb->add_option("--apply-release", options->apply_release,
+                   "write the model with this suggestion's joint changes (1: the first) to --write-model")
+      ->type_name("N")
+      ->check(CLI::PositiveNumber);
   verb->footer(
       "Examples:\n"
       "  ferrers analyze examples/bricard-a04/model.yaml\n"
       "  ferrers analyze press.yaml -p length='120 mm' --json\n"
+      "  ferrers analyze press.yaml --apply-release 1 --write-model press-released.yaml\n"
       "\nExit codes: 0 done; 3 the model has errors; 4 it cannot be assembled. A doubtful rank is said, and is 0.");
   verb->callback([options, &job] { job = [options] { return analyze(*options); }; });
 }

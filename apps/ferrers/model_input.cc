@@ -126,8 +126,7 @@ void report(LoadedModel& loaded, std::string_view code, SourceRange at, std::str
   print_diagnostic(loaded.diagnostics.items().back(), loaded);
 }
 
-std::string model_text(const ModelOptions& options, const LoadedModel& loaded) {
-  if (!options.changed()) return loaded.source;
+ModelSpec edited_spec(const ModelOptions& options, const LoadedModel& loaded) {
   ModelSpec spec = loaded.model->spec();
   for (const std::string& text : options.parameters) {
     const std::string name = text.substr(0, text.find('='));
@@ -138,7 +137,11 @@ std::string model_text(const ModelOptions& options, const LoadedModel& loaded) {
       }
     }
   }
-  return write_model(spec);
+  return spec;
+}
+
+std::string model_text(const ModelOptions& options, const LoadedModel& loaded) {
+  return options.changed() ? write_model(edited_spec(options, loaded)) : loaded.source;
 }
 
 std::string write_model_if_asked(const ModelOptions& options, const LoadedModel& loaded) {

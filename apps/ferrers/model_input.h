@@ -38,6 +38,9 @@ LoadedModel load_model(const ModelOptions& options);
 void report(LoadedModel& loaded, std::string_view code, ferrers::SourceRange at, std::string message,
             std::string hint = {});
 
+/// The model's specification with the parameters that the command line sets.
+ferrers::ModelSpec edited_spec(const ModelOptions& options, const LoadedModel& loaded);
+
 /// The text of the model as it was read, changes included.
 std::string model_text(const ModelOptions& options, const LoadedModel& loaded);
 

@@ -29,15 +29,19 @@ class RowSpace {
 
   /// The part of a row that is orthogonal to the basis.
   SparseRow residual(const SparseRow& row) {
-    std::vector<int> overlapping;
+    ++call_;
+    overlapping_.clear();
     for (const auto& [column, value] : row) {
       touch(column);
       work_[column] += value;
-      overlapping.insert(overlapping.end(), of_column_[column].begin(), of_column_[column].end());
+      if (overlapping_.size() == basis_.size()) continue;
+      for (const int b : of_column_[column]) {
+        if (met_[b] != call_) overlapping_.push_back(b);
+        met_[b] = call_;
+      }
     }
-    std::sort(overlapping.begin(), overlapping.end());
-    overlapping.erase(std::unique(overlapping.begin(), overlapping.end()), overlapping.end());
-    for (const int b : overlapping) {
+    std::sort(overlapping_.begin(), overlapping_.end());
+    for (const int b : overlapping_) {
       double along = 0;
       for (const auto& [column, value] : basis_[b]) along += value * work_[column];
       for (const auto& [column, value] : basis_[b]) {
@@ -66,6 +70,7 @@ class RowSpace {
       of_column_[column].push_back(static_cast<int>(basis_.size()));
     }
     basis_.push_back(std::move(rest));
+    met_.push_back(0);
   }
 
  private:
@@ -77,7 +82,9 @@ class RowSpace {
   std::vector<std::vector<int>> of_column_;
   std::vector<double> work_;
   std::vector<bool> seen_;
-  std::vector<int> touched_;
+  std::vector<int> touched_, overlapping_;
+  std::vector<long> met_;  // per basis row: the call that met it last
+  long call_ = 0;
 };
 
 double dot(const SparseRow& a, const SparseRow& b) {

@@ -16,7 +16,20 @@ namespace {
 constexpr int kMostWalked = 600;  // coordinates up to which a generic configuration is looked for
 
 double analysis_work(const System& system) {
-  return static_cast<double>(system.m) * system.nv * static_cast<double>(std::min(system.m, system.nv));
+  double work = 0;
+  for (const Cluster& cluster : system.topology->clusters) {
+    double rows = 0, columns = 0;
+    for (const int c : cluster.closures) rows += system.topology->closures[c].row_count;
+    for (const int n : cluster.nodes) columns += system.nodes[n].nv;
+    work += rows * columns * std::min(rows, columns);
+  }
+  return work;
+}
+
+bool holds_as_drawn_only(const Model& model) {
+  return std::any_of(model.joints().begin(), model.joints().end(), [](const Joint& joint) {
+    return joint.type == JointType::kGearMesh && joint.constants.mesh_holds_as_drawn_only;
+  });
 }
 
 // One set per group.
@@ -83,6 +96,12 @@ class ReleaseAnalysis {
   }
 
  private:
+  PermanenceOptions permanence_options() const {
+    PermanenceOptions options;
+    options.branches.configurations = options_.configurations;
+    return options;
+  }
+
   // What the mechanism is like in general: the base that changes are judged against.
   void find_generic() {
     generic_mobility_ = report_.mobility;
@@ -91,8 +110,8 @@ class ReleaseAnalysis {
     base_report_ = report_;
     PermanenceReport own;
     const PermanenceReport* permanence = options_.permanence;
-    if (permanence == nullptr && system_.nv <= kMostWalked) {
-      own = analyze_permanence(system_, state_, report_, {.configurations = options_.configurations});
+    if (permanence == nullptr) {
+      own = analyze_permanence(system_, state_, report_, permanence_options());
       permanence = &own;
     }
     if (permanence == nullptr || !permanence->generic_redundant) return;
@@ -246,6 +265,8 @@ class ReleaseAnalysis {
         ++out_.dropped;
       }
     }
+    std::stable_partition(out_.releases.begin(), out_.releases.end(),
+                          [](const Release& one) { return one.holds_generically.value_or(true); });
   }
 
   // Applies, rebuilds, analyses; fills in what was found.
@@ -265,11 +286,11 @@ class ReleaseAnalysis {
     if (spins != release.idle_freedoms) return false;
     const int redundant = release.redundant_after, mobility = release.mobility_after;
     const bool here = after.redundant == redundant && after.mobility == mobility;
-    PermanenceReport generic;
-    const double wanted = 2.0 * options_.configurations * analysis_work(*system);
-    if (system->nv <= kMostWalked && wanted <= options_.recheck_work) {
-      generic = analyze_permanence(*system, assembly.state, after, {.configurations = options_.configurations});
-      work += wanted;
+    PermanenceReport generic = analyze_permanence(*system, assembly.state, after, permanence_options());
+    if (after.redundant > 0) work += options_.configurations * analysis_work(*system);
+    if (!generic.generic_redundant && after.redundant == 0 && !holds_as_drawn_only(*system->model)) {
+      generic.generic_redundant = 0;  // rank can only be lower at special poses: full here is full in general
+      generic.generic_mobility = after.mobility;
     }
     release.redundant_after = generic.generic_redundant.value_or(after.redundant);
     release.mobility_after = generic.generic_mobility.value_or(after.mobility);
