@@ -429,6 +429,14 @@ TEST_F(CommandTest, ARunNeverOverwritesTheModelThatItReads) {
   EXPECT_EQ(read_text(folder_ / "mine/model.yaml"), text);
 }
 
+/// Cell of a row of CSV.
+std::string cell(const std::string& line, long column) {
+  std::istringstream in(line);
+  std::string text;
+  for (long i = 0; i <= column; ++i) std::getline(in, text, ',');
+  return text;
+}
+
 TEST_F(CommandTest, KinematicsPrintsNoForces) {
   const Result result =
       run({"kinematics", (kExamples / "four-bar-driven/model.yaml").string(), "--end", "0.1", "-o", "run"});
@@ -436,12 +444,6 @@ TEST_F(CommandTest, KinematicsPrintsNoForces) {
   EXPECT_FALSE(fs::exists(folder_ / "run/reactions.csv"));
   const std::vector<std::string> lines = lines_of(folder_ / "run/result.csv");
   ASSERT_EQ(lines.size(), 12u);
-  const auto cell = [](const std::string& line, long column) {
-    std::istringstream in(line);
-    std::string text;
-    for (long i = 0; i <= column; ++i) std::getline(in, text, ',');
-    return text;
-  };
   const std::string head = lines[0];
   const long effort = std::count(head.begin(), head.begin() + static_cast<long>(head.find("motor.effort")), ',');
   EXPECT_EQ(cell(head, effort), "motor.effort");

@@ -94,6 +94,30 @@ TEST_F(RunFolderTest, UndeterminedReactionsHaveNoValueWhateverStandsInTheSample)
             "0.5,J1,moment_z,6,unique\n");
 }
 
+TEST_F(RunFolderTest, RangesStandBesideTheirValuesWhereTheyAreAskedFor) {
+  RunFolder run;
+  ASSERT_EQ(run.open(folder_, {"t", "x"}, {"J1"}, true), "");
+  RunSample one = sample(0.5, 1);
+  JointReaction reaction;
+  reaction.value = reaction.low = reaction.high = {1, 2, 3, 4, 5, 6};
+  reaction.low[2] = -3;
+  reaction.high[2] = 30;
+  reaction.status.fill(ReactionStatus::kUnique);
+  reaction.status[1] = ReactionStatus::kUndetermined;
+  reaction.status[2] = ReactionStatus::kDistributed;
+  one.reactions = {reaction};
+  run.add(one);
+  ASSERT_EQ(run.close(), "");
+  EXPECT_EQ(read_text(folder_ / "reactions.csv"),
+            "t,joint,component,value,status,low,high\n"
+            "0.5,J1,force_x,1,unique,1,1\n"
+            "0.5,J1,force_y,,undetermined,,\n"
+            "0.5,J1,force_z,3,distributed,-3,30\n"
+            "0.5,J1,moment_x,4,unique,4,4\n"
+            "0.5,J1,moment_y,5,unique,5,5\n"
+            "0.5,J1,moment_z,6,unique,6,6\n");
+}
+
 TEST_F(RunFolderTest, ValuesThatAreNotFiniteAreEmptyCells) {
   RunFolder run;
   ASSERT_EQ(run.open(folder_, {"t", "x"}, {}), "");
@@ -182,6 +206,28 @@ TEST(RunSummaryTest, UndeterminedLoadsAreNull) {
   EXPECT_EQ(joints.at(1).at("status"), "partly");
   EXPECT_TRUE(joints.at(2).at("max_force_N").is_null());
   EXPECT_EQ(joints.at(2).at("status"), "undetermined");
+}
+
+TEST(RunSummaryTest, WhatDividedTheLoadsIsNamed) {
+  RunSummary summary;
+  summary.peaks.resize(3);
+  summary.peaks[0].force = summary.peaks[0].moment = 5;
+  summary.peaks[0].force_distributed = true;
+  EXPECT_TRUE(ordered_json::parse(write_summary_json(document_of(summary))).at("distribution").is_null());
+  summary.distribution.used = true;
+  summary.distribution.notices = {"mind the gap"};
+  ordered_json json = ordered_json::parse(write_summary_json(document_of(summary)));
+  EXPECT_EQ(json.at("joints").at(0).at("status"), "distributed");
+  EXPECT_EQ(json.at("notices"), ordered_json::array({"mind the gap"}));
+  EXPECT_EQ(json.at("distribution"), ordered_json::parse(R"({"by": "joint stiffness", "length_m": null,
+             "stiffness_range": null, "bounds": null})"));
+  summary.distribution.by = DistributionBy::kEqualStiffness;
+  summary.distribution.length_m = 0.75;
+  summary.distribution.range = StiffnessRange{0.5, 2};
+  summary.distribution.bounds = BoundsMethod::kSearch;
+  json = ordered_json::parse(write_summary_json(document_of(summary)));
+  EXPECT_EQ(json.at("distribution"), ordered_json::parse(R"({"by": "equal stiffness", "length_m": 0.75,
+             "stiffness_range": [0.5, 2.0], "bounds": "search"})"));
 }
 
 TEST(RunSummaryTest, OnlyARunThatCameToItsEndIsOk) {
