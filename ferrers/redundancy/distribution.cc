@@ -29,9 +29,30 @@ Matrix3d stiffness_axes(const Joint& joint, const JointFrameWrenches& frame) {
 
 // The orthogonal complement of orthonormal columns.
 MatrixXd complement(const MatrixXd& columns) {
+  if (columns.cols() == 0) return MatrixXd::Identity(columns.rows(), columns.rows());
   const Eigen::HouseholderQR<MatrixXd> qr(columns);
   const MatrixXd all = qr.householderQ() * MatrixXd::Identity(columns.rows(), columns.rows());
   return all.rightCols(columns.rows() - columns.cols());
+}
+
+// R of A = Q R: the same singular values and null space as A, in fewer rows.
+MatrixXd triangular_factor(const MatrixXd& A) {
+  const MatrixXd R = Eigen::HouseholderQR<MatrixXd>(A).matrixQR().topRows(A.cols());
+  return R.triangularView<Eigen::Upper>();
+}
+
+// True where springs surely fix every self-stress: already 1/|R⁻¹|, which no singular value is below, is surely
+// nonzero. Spares the singular values in the usual case; false says nothing.
+bool is_surely_fixed(const MatrixXd& R, RankDecision& decision) {
+  if (R.cols() == 0) return true;
+  if (R.rows() != R.cols() || (R.diagonal().array() == 0).any()) return false;
+  const MatrixXd inverse = R.triangularView<Eigen::Upper>().solve(MatrixXd::Identity(R.rows(), R.cols()));
+  const RankDecision bound = decide_rank(Eigen::Vector2d(1, 1 / inverse.norm()), 1.0);
+  if (!bound.full || !bound.confident) return false;
+  decision = bound;
+  decision.rank = decision.other_rank = static_cast<int>(R.cols());
+  decision.singular_values.resize(0);
+  return true;
 }
 
 // What each spring takes of each column of Z.
@@ -150,22 +171,19 @@ ForceMethod make_force_method(const AllRows& rows, const std::vector<ComponentMa
   for (long i = 0; i < pattern.rows(); ++i) {
     pattern.row(i) /= component_unit(method.springs[static_cast<std::size_t>(i)].component, length_m);
   }
-  if (pattern.rows() > pattern.cols()) {  // the same singular values and null space, in fewer rows
-    const MatrixXd R = Eigen::HouseholderQR<MatrixXd>(pattern).matrixQR().topRows(pattern.cols());
-    pattern = R.triangularView<Eigen::Upper>();
+  if (pattern.cols() > 0 && pattern.rows() >= pattern.cols()) pattern = triangular_factor(pattern);
+  if (is_surely_fixed(pattern, method.decision)) {
+    method.fixed = Z;
+    method.work = work;
+    method.remaining.resize(Z.rows(), 0);
+    return method;
   }
   const RankAnalysis analysis = analyze_rank(pattern, 1.0);
   method.decision = analysis.decision;
-  const MatrixXd& free = analysis.right_null;
-  method.remaining = Z * free;
-  if (free.cols() == 0) {
-    method.fixed = Z;
-    method.work = work;
-  } else {
-    const MatrixXd taken = complement(free);
-    method.fixed = Z * taken;
-    method.work = work * taken;
-  }
+  const MatrixXd taken = complement(analysis.right_null);
+  method.fixed = Z * taken;
+  method.work = work * taken;
+  method.remaining = Z * analysis.right_null;
   return method;
 }
 

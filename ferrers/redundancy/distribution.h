@@ -68,7 +68,7 @@ struct ForceMethod {
   MatrixXd remaining;  ///< Rows × (k − k_1): no spring gives way to them.
   std::vector<SpringComponent> springs;
   MatrixXd work;          ///< springs × k_1: load of each spring per unit of each fixed self-stress, N and N·m.
-  RankDecision decision;  ///< How many are fixed.
+  RankDecision decision;  ///< How many are fixed; without singular values where a bound of them was enough.
   double length_m = 1;    ///< Of the scaled units.
 };
 
