@@ -1,6 +1,10 @@
 #include "analysis_text.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <map>
 
 #include "ferrers/model/joints/joint_type.h"
 
@@ -17,8 +21,9 @@ std::string certainty_text(const RedundancyReport& report, const Style& style) {
   const auto& values = decision.singular_values;
   if (report.closure_rows == 0) return "   There is no closed loop, so nothing can be redundant.\n";
   std::string text;
-  const std::string size = fmt::format("of the loops' {} for {}", counted(report.closure_rows, "equation"),
-                                       counted(report.closure_coordinates, "coordinate"));
+  std::string size = fmt::format("of the loops' {} for {}", counted(report.closure_rows, "equation"),
+                                 counted(report.closure_coordinates, "coordinate"));
+  if (!report.exact_values) size += " (by orthogonal elimination)";
   if (decision.full) {
     text = fmt::format("all singular values {} are away from zero", size);
     if (values.size() > 0) text += fmt::format(", the smallest is {}", rough(values[values.size() - 1]));
@@ -45,56 +50,131 @@ std::string counts_text(const RedundancyReport& report, const Style& style) {
   return text + certainty_text(report, style);
 }
 
-std::string sharing_text(const RedundancyReport& report, const Style& style) {
-  std::string text = heading(2, "Which joints share them?", style);
-  std::vector<std::string> sharing;
-  for (const ReactionUniqueness& one : report.reactions) {
-    if (one.participates) sharing.push_back(one.joint);
+std::string closure_text(const ContradictionReport& closure, const Style& style) {
+  std::string text;
+  if (closure.verdict == ClosureVerdict::kElastic) {
+    text += wrapped_text("   " + style.yellow("Elastic") + ": ", closure.text, "   ");
+  } else if (!closure.confident) {
+    text += wrapped_text("   " + style.red("Doubtful") + ": ", closure.text, "   ");
   }
-  if (report.redundant == 0) {
-    text += "   None: no constraint is redundant.\n";
-  } else {
-    text += wrapped_list(
-        fmt::format("   {} of {}:", sharing.size(), counted(static_cast<long>(report.reactions.size()), "joint")),
-        sharing, "      ");
-    text += wrapped_list("   Could be left out, as one choice of several:", report.excluded_row_names, "      ");
-  }
-  if (report.independent_coordinate_names.empty()) return text + "   No coordinate is free.\n";
-  return text + wrapped_list("   The motion is told by:", report.independent_coordinate_names, "      ");
+  return text;
 }
 
-std::string permanence_text(const RedundancyReport& report, const PermanenceReport& permanence, const Style& style) {
-  std::string text = heading(3, "Only in this pose, or always?", style);
+// "force_x moment_z", without the joint's name before the slash.
+std::string component_of(const std::string& row) {
+  const std::size_t slash = row.rfind('/');
+  return slash == std::string::npos ? std::string("effort") : row.substr(slash + 1);
+}
+
+// One self-stress: its joints, gathered by the components that it loads.
+std::string stress_text(const RedundancyReport& report, int k) {
+  std::map<int, std::string> loads;
+  double largest = 0;
+  for (SparseMatrixXd::InnerIterator it(report.self_stresses, k); it; ++it) {
+    largest = std::max(largest, std::abs(it.value() / report.rows.scale[it.row()]));
+  }
+  for (const int joint : report.self_stress_places[k].joints) {
+    for (int i = 0; i < report.rows.count[joint]; ++i) {
+      const int row = report.rows.first[joint] + i;
+      const double value = report.self_stresses.coeff(row, k) / report.rows.scale[row];
+      if (is_negligible(value, largest)) continue;
+      loads[joint] += (loads[joint].empty() ? "" : " ") + component_of(report.rows.names[row]);
+    }
+  }
+  std::vector<std::pair<std::string, std::vector<std::string>>> gathered;
+  for (const auto& [joint, components] : loads) {
+    const auto same =
+        std::find_if(gathered.begin(), gathered.end(), [&](const auto& g) { return g.first == components; });
+    if (same == gathered.end()) gathered.push_back({components, {}});
+    (same == gathered.end() ? gathered.back() : *same).second.push_back(report.reactions[joint].joint);
+  }
+  std::string text;
+  for (const auto& [components, joints] : gathered) {
+    text += (text.empty() ? "" : "; ") + fmt::format("{}: {}", fmt::join(joints, ", "), components);
+  }
+  return text;
+}
+
+constexpr int kMostStresses = 10, kMostJoints = 40, kMostReleases = 5;
+
+std::string sharing_text(const RedundancyReport& report, const Style& style) {
+  std::string text = heading(2, "Which joints share them?", style);
+  if (report.redundant == 0) return text + "   None: no constraint is redundant.\n";
+  std::vector<std::string> sharing, clean;
+  for (const ReactionUniqueness& one : report.reactions) (one.participates ? sharing : clean).push_back(one.joint);
+  const auto some = [](std::vector<std::string> names) {
+    const std::size_t count = names.size();
+    if (count <= kMostJoints) return names;
+    names.resize(kMostJoints);
+    names.push_back(fmt::format("and {} more", count - kMostJoints));
+    return names;
+  };
+  text += wrapped_list(
+      fmt::format("   {} of {}:", sharing.size(), counted(static_cast<long>(report.reactions.size()), "joint")),
+      some(sharing), "      ");
+  text += clean.empty() ? "   No joint is clean of them.\n" : wrapped_list("   Clean:", some(clean), "      ");
+  text +=
+      fmt::format("   {} can be held against each other with no load outside:\n",
+                  report.redundant == 1 ? "One state of stress" : counted(report.redundant, "state") + " of stress");
+  for (int k = 0; k < std::min(report.redundant, kMostStresses); ++k) {
+    text += wrapped_text(fmt::format("   {:>3}  ", k + 1), stress_text(report, k), "        ");
+  }
+  if (report.redundant > kMostStresses) {
+    text += style.dim(fmt::format("        and {} more (--json lists all)\n", report.redundant - kMostStresses));
+  }
+  return text +
+         wrapped_list("   Could be left out, as one choice of several:", some(report.excluded_row_names), "      ");
+}
+
+std::string kind_text(const RedundancyReport& report, const PermanenceReport& permanence) {
+  std::string text;
   switch (permanence.kind) {
     case Permanence::kNone:
-      text += "   Nothing is redundant in this pose.\n";
-      break;
+      return "   Nothing is redundant in this pose.\n";
+    case Permanence::kUnknown:
+      return "   Not known: no other configuration could be reached.\n";
     case Permanence::kPermanent:
-      text += "   Permanent: the same redundancy";
+      text = "   Permanent: the same redundancy";
       break;
     case Permanence::kConfiguration:
-      text += "   In this pose only: no redundancy";
+      text = "   In this pose only: no redundancy";
       break;
     case Permanence::kMixed:
-      text += fmt::format("   Mixed: {} here, but only {}", report.redundant, *permanence.generic_redundant);
-      break;
-    case Permanence::kUnknown:
-      text += "   Not known: no other configuration could be reached.\n";
+      text = fmt::format("   Mixed: {} here, but only {}", report.redundant, *permanence.generic_redundant);
       break;
   }
-  const bool compared = permanence.kind != Permanence::kNone && permanence.kind != Permanence::kUnknown;
-  if (compared && permanence.configurations > 0) {
-    text += fmt::format(" at {}{}.\n", counted(permanence.configurations, "other configuration"),
-                        permanence.confident ? "" : ", some with a rank in doubt");
-  } else if (compared) {
-    text += " wherever it is: nothing moves.\n";
+  if (permanence.configurations == 0) return text + " wherever it is: nothing moves.\n";
+  return text + fmt::format(" at {}{}.\n", counted(permanence.configurations, "other configuration"),
+                            permanence.confident ? "" : ", some with a rank in doubt");
+}
+
+std::string motion_text(const RedundancyReport& report, const PermanenceReport& permanence, const Style& style) {
+  std::string text;
+  if (permanence.is_shaky) {
+    text +=
+        "   " + style.yellow("Shaky") + ": some loops only seem to move. They are rigid, but with play they rattle.\n";
   }
-  if (permanence.generic_mobility && *permanence.generic_mobility != report.mobility) {
+  if (permanence.finite_mobility && *permanence.finite_mobility < report.mobility) {
+    text += fmt::format("   Of the mobility {}, motions through this pose have {} at most ({}).\n", report.mobility,
+                        counted(*permanence.finite_mobility, "dimension"), to_string(permanence.basis));
+  } else if (!permanence.finite_mobility && report.mobility > 0) {
+    text += "   That the mechanism really moves from this pose is not established.\n";
+  }
+  if (permanence.branches.size() > 1) {
+    text += fmt::format("   {} branches of motion meet in this pose{}:\n", permanence.branches.size(),
+                        permanence.all_branches ? "" : ", perhaps more");
+    for (const BranchReport& branch : permanence.branches) {
+      std::vector<std::string> moving;
+      for (const auto& [name, rate] : branch.direction) moving.push_back(name);
+      text += wrapped_list(fmt::format("      dimension {}, {} redundant; moves", branch.dimension, branch.redundant),
+                           moving, "         ");
+    }
+  } else if (permanence.generic_mobility && *permanence.generic_mobility != report.mobility) {
     text += fmt::format("   The mobility is {} here and {} at generic configurations: a singular pose.\n",
                         report.mobility, *permanence.generic_mobility);
   }
-  if (report.mobility > 0 && !permanence.finite_mobility) {
-    text += "   That the mechanism really moves from this pose is not established.\n";
+  if (!report.independent_coordinate_names.empty() && report.independent_coordinate_names.size() <= kMostJoints) {
+    text += wrapped_list("   The motion is told by:", report.independent_coordinate_names, "      ");
   }
   return text;
 }
@@ -105,47 +185,146 @@ std::string unique_names(const RedundancyReport& report, std::size_t index) {
   std::string names;
   for (int row = 0; row < one.rows; ++row) {
     if (!one.unique[row]) continue;
-    std::string name = report.rows.names[report.rows.first[index] + row];
-    if (const std::size_t slash = name.rfind('/'); slash != std::string::npos) name.erase(0, slash + 1);
-    names += (names.empty() ? "" : " ") + name;
+    names += (names.empty() ? "" : " ") + component_of(report.rows.names[report.rows.first[index] + row]);
   }
-  return names.empty() ? "none" : names;
+  return names.empty() ? (one.unique_dimension > 0 ? "combinations only" : "none") : names;
 }
 
-std::string reactions_text(const Model& model, const RedundancyReport& report, const Style& style) {
-  std::string text = heading(4, "Which joint reactions do rigid bodies determine?", style);
-  if (report.redundant == 0) return text + "   All of them.\n";
-  std::vector<std::vector<std::string>> rows = {{"joint", "type", "unique", "components that are unique"}};
-  for (std::size_t i = 0; i < report.reactions.size(); ++i) {
+std::string resultants_text(const std::vector<UniqueResultant>& resultants) {
+  std::string text;
+  for (std::size_t i = 0; i < std::min<std::size_t>(resultants.size(), 8); ++i) {
+    const UniqueResultant& one = resultants[i];
+    const std::string what =
+        one.unique_dimension == 6 ? "exact" : fmt::format("exact in {} of 6", one.unique_dimension);
+    text += wrapped_text(
+        "   ", fmt::format("Together {} is what {} give to '{}'.", what, fmt::join(one.joints, " + "), one.on_body),
+        "      ");
+  }
+  return text;
+}
+
+std::string preload_text(const PreloadReport& preload, const Style& style) {
+  if (preload.status == PreloadStatus::kNone) return "";
+  if (preload.status == PreloadStatus::kContradictory) {
+    return wrapped_list("   " + style.red("Contradictory") + ": misalignment that rigid joints cannot take up, in",
+                        preload.contradictory, "      ");
+  }
+  double largest_force = 0, largest_moment = 0;
+  for (const JointPreload& joint : preload.joints) {
+    for (int k = 0; k < 6; ++k) {
+      if (joint.status[k] == ReactionStatus::kUndetermined) continue;
+      double& largest = k < 3 ? largest_force : largest_moment;
+      largest = std::max(largest, std::abs(joint.value[k]));
+    }
+  }
+  if (largest_force == 0 && largest_moment == 0)
+    return "   Joint stiffness divides them; assembly alone loads nothing.\n";
+  std::vector<std::vector<std::string>> rows = {
+      {"joint", "force_x", "force_y", "force_z", "moment_x", "moment_y", "moment_z"}};
+  for (const JointPreload& joint : preload.joints) {
+    std::vector<std::string> row = {joint.joint};
+    for (int k = 0; k < 6; ++k) {
+      const double largest = k < 3 ? largest_force : largest_moment;
+      const bool zero = std::abs(joint.value[k]) < 1e-9 * largest;
+      row.push_back(joint.status[k] == ReactionStatus::kUndetermined ? "?" : number(zero ? 0 : joint.value[k]));
+    }
+    if (static_cast<int>(rows.size()) <= kMostJoints) rows.push_back(std::move(row));
+  }
+  return "   Assembly alone, by joint stiffness, puts into the joints (N, N·m, along their own axes):\n" +
+         table(rows, "   ", style);
+}
+
+std::string reactions_text(const Model& model, const MechanismAnalysis& analysis, const Style& style) {
+  const RedundancyReport& report = *analysis.redundancy;
+  std::string text = heading(4, "Which reactions are exact, and how do the others divide?", style);
+  if (report.redundant == 0) return text + "   All reactions are exact.\n";
+  std::vector<std::vector<std::string>> rows = {{"joint", "type", "exact", "components that are exact"}};
+  for (std::size_t i = 0; i < std::min<std::size_t>(report.reactions.size(), kMostJoints); ++i) {
     const ReactionUniqueness& one = report.reactions[i];
     const bool joint = i < model.joints().size();
     rows.push_back({one.joint, std::string(joint ? joint_type_info(model.joints()[i].type).name : "coupling"),
                     fmt::format("{} of {}", one.unique_dimension, one.rows), unique_names(report, i)});
   }
   text += table(rows, "   ", style);
-  text += style.dim(
-      "   Components are along the joint's own axes; 'unique' counts dimensions whatever the axes. The others depend\n"
-      "   on elasticity, play and assembly, so that no value is given for them.\n");
+  if (report.reactions.size() > kMostJoints) {
+    text += style.dim(fmt::format("   and {} more (--json lists all)\n", report.reactions.size() - kMostJoints));
+  }
+  text += resultants_text(analysis.resultants);
+  if (analysis.preload && analysis.preload->status != PreloadStatus::kNone) {
+    return text + preload_text(*analysis.preload, style);
+  }
+  return text +
+         style.dim(
+             "   Components are along the joint's own axes; 'exact' counts dimensions whatever the axes. The others\n"
+             "   depend on elasticity, play and assembly: no value is given for them. Give the joints a 'stiffness'\n"
+             "   and they are divided by it, or ask for '--distribute equal'.\n");
+}
+
+std::string release_line(const Release& release) {
+  std::string text = release.says;
+  if (release.alternatives > 0) text += fmt::format(" (or {})", counted(release.alternatives, "other place"));
+  std::vector<std::string> remarks = {fmt::format("conditioning {:.2f}", release.conditioning)};
+  if (release.redundant_after > 0) remarks.push_back(fmt::format("leaves {} redundant", release.redundant_after));
+  if (release.idle_freedoms > 0) remarks.push_back(counted(release.idle_freedoms, "idle spin"));
+  if (!release.condition.empty()) remarks.push_back(release.condition);
+  return text + fmt::format(" [{}]", fmt::join(remarks, "; "));
+}
+
+std::string releases_text(const RedundancyReport& report, const std::optional<ReleaseReport>& releases,
+                          const Style& style) {
+  std::string text = heading(5, "Which joint changes remove the redundancy?", style);
+  if (report.redundant == 0) return text + "   None are needed.\n";
+  if (!releases) return text + "   Not analysed.\n";
+  if (releases->releases.empty()) text += "   No joint change was found.\n";
+  if (!releases->note.empty()) text += wrapped_text("   ", releases->note, "   ");
+  std::vector<std::string> told;  // what a kind of change costs and gains is said once
+  for (std::size_t i = 0; i < std::min<std::size_t>(releases->releases.size(), kMostReleases); ++i) {
+    const Release& release = releases->releases[i];
+    text += wrapped_text(fmt::format("   {:>3}  ", i + 1), release_line(release), "        ");
+    for (const ReleaseChange& change : release.changes) {
+      const std::string says(change.says);
+      if (std::find(told.begin(), told.end(), says) != told.end()) continue;
+      told.push_back(says);
+      text += style.dim(wrapped_text(
+          fmt::format("        {} to {}: ", joint_type_info(change.from).name, joint_type_info(change.change.to).name),
+          says, "           "));
+    }
+  }
+  if (releases->releases.size() > kMostReleases) {
+    text +=
+        style.dim(fmt::format("        and {} more (--json lists all)\n", releases->releases.size() - kMostReleases));
+  }
+  if (!releases->releases.empty()) {
+    text += style.dim("   The mobility stays. '--apply-release 1 --write-model FILE' writes the changed model.\n");
+  }
   return text;
 }
 
-std::string releases_text(const RedundancyReport& report, const Style& style) {
-  std::string text = heading(5, "Which joints would have to change to remove the redundancy?", style);
-  return text + (report.redundant == 0 ? "   None.\n" : "   Not analysed by this version.\n");
+std::string idle_text(const std::optional<ReleaseReport>& releases) {
+  if (!releases) return "";
+  std::string text;
+  for (const IdleFreedom& one : releases->idle_freedoms) {
+    text += fmt::format("   One freedom is idle: '{}' can spin about itself between {}.\n", one.body,
+                        fmt::join(one.joints, " and "));
+  }
+  return text;
 }
 
 }  // namespace
 
-std::string analysis_text(const Model& model, const RedundancyReport& report, const PermanenceReport& permanence,
-                          const Style& style) {
+std::string analysis_text(const Model& model, const MechanismAnalysis& analysis, const Style& style) {
+  const RedundancyReport& report = *analysis.redundancy;
   std::string text = fmt::format("{}: {}, {}", style.bold(model.name()), counted(report.bodies, "body"),
                                  counted(report.joints, "joint"));
   if (!model.couplings().empty()) text += ", " + counted(static_cast<long>(model.couplings().size()), "coupling");
   text += "\n";
-  text += counts_text(report, style);
+  text += counts_text(report, style) + closure_text(analysis.closure, style) + idle_text(analysis.releases);
   text += sharing_text(report, style);
-  text += permanence_text(report, permanence, style);
-  text += reactions_text(model, report, style);
-  text += releases_text(report, style);
+  text += heading(3, "Only in this pose, or always?", style);
+  if (analysis.permanence) {
+    text += kind_text(report, *analysis.permanence) + motion_text(report, *analysis.permanence, style);
+  }
+  text += reactions_text(model, analysis, style);
+  text += releases_text(report, analysis.releases, style);
   return text;
 }

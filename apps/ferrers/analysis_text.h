@@ -2,9 +2,9 @@
 
 #include <string>
 
-#include "ferrers/redundancy/permanence.h"
+#include "ferrers/redundancy/mechanism_analysis.h"
 #include "terminal.h"
 
-/// The report of `analyze` for readers: the answers to five questions about a mechanism.
-std::string analysis_text(const ferrers::Model& model, const ferrers::RedundancyReport& report,
-                          const ferrers::PermanenceReport& permanence, const Style& style);
+/// The report of `analyze` for readers: the answers to five questions about an assembled mechanism. Long lists are cut,
+/// with a word on what is missing; JSON has all.
+std::string analysis_text(const ferrers::Model& model, const ferrers::MechanismAnalysis& analysis, const Style& style);

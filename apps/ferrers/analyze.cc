@@ -10,7 +10,6 @@
 #include "ferrers/io/json_report.h"
 #include "ferrers/io/model_writer.h"
 #include "ferrers/io/run_folder.h"
-#include "ferrers/redundancy/releases.h"
 #include "model_input.h"
 #include "terminal.h"
 #include "verbs.h"
@@ -19,12 +18,10 @@ using namespace ferrers;  // NOLINT(google-build-using-namespace)
 
 namespace {
 
-void print_json(const LoadedModel& loaded, const RedundancyReport* result,
-                const PermanenceReport* permanence = nullptr) {
+void print_json(const LoadedModel& loaded, const MechanismAnalysis* analysis) {
   AnalysisDocument document;
   if (loaded.model) document.model = loaded.model->name();
-  document.report = result;
-  document.permanence = permanence;
+  document.analysis = analysis;
   document.diagnostics = &loaded.diagnostics;
   print(stdout, write_analysis_json(document));
 }
@@ -67,27 +64,20 @@ int analyze(const AnalyzeOptions& options) {
       return command_line_error(error);
     }
   }
-  const auto system = make_system(loaded.model);
-  const AssemblyResult assembly = assemble(*system);
-  if (assembly.status != AssemblyStatus::kAssembled) {
-    report_open(loaded, assembly);
-    if (options.json) print_json(loaded, nullptr);
+  const MechanismAnalysis analysis = analyze_mechanism(*make_system(loaded.model));
+  if (!analysis.is_assembled()) {
+    report_open(loaded, analysis.assembly, analysis.closure);
+    if (options.json) print_json(loaded, &analysis);
     return kExitNotAssembled;
   }
-  const RedundancyReport result = analyze_redundancy(*system, assembly.state);
-  const PermanenceReport permanence = analyze_permanence(*system, assembly.state, result);
   if (options.apply_release > 0) {
-    ReleaseOptions release_options;
-    release_options.permanence = &permanence;
-    const ReleaseReport releases = analyze_releases(*system, assembly.state, result, release_options);
-    if (const std::string error = write_released_model(options, loaded, releases.releases); !error.empty()) {
-      return command_line_error(error);
-    }
+    const std::string error = write_released_model(options, loaded, analysis.releases->releases);
+    if (!error.empty()) return command_line_error(error);
   }
   if (options.json) {
-    print_json(loaded, &result, &permanence);
+    print_json(loaded, &analysis);
   } else {
-    print(stdout, analysis_text(*loaded.model, result, permanence, Style(stdout)));
+    print(stdout, analysis_text(*loaded.model, analysis, Style(stdout)));
   }
   return kExitDone;
 }
@@ -96,7 +86,8 @@ int analyze(const AnalyzeOptions& options) {
 
 void add_analyze(CLI::App& command, Job& job) {
   auto options = std::make_shared<AnalyzeOptions>();
-  CLI::App* verb = command.add_subcommand("analyze", "mobility, redundant constraints, reactions that are unique");
+  CLI::App* verb =
+      command.add_subcommand("analyze", "redundant constraints: how many, which joints, since when, what of it");
   add_model_options(*verb, *options);
   verb->add_option("--apply-release", options->apply_release,
                    "write the model with this suggestion's joint changes (1: the first) to --write-model")

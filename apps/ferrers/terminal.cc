@@ -75,6 +75,25 @@ std::string wrapped_list(std::string_view lead, const std::vector<std::string>& 
   return out + line + "\n";
 }
 
+std::string wrapped_text(std::string_view lead, std::string_view text, std::string_view indent) {
+  std::string out, line(lead);
+  bool fresh = true;  // nothing but the lead or the indent stands on this line
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find(' ', at), text.size());
+    const std::string_view word = text.substr(at, end - at);
+    if (!fresh && shown_width(line) + 1 + shown_width(word) > kLineWidth) {
+      out += line + "\n";
+      line = std::string(indent);
+      fresh = true;
+    }
+    if (!fresh) line += ' ';
+    line += word;
+    fresh = false;
+    at = end + 1;
+  }
+  return out + line + "\n";
+}
+
 std::string counted(long count, std::string_view noun) {
   if (count == 1) return fmt::format("1 {}", noun);
   if (!noun.empty() && noun.back() == 'y') return fmt::format("{} {}ies", count, noun.substr(0, noun.size() - 1));

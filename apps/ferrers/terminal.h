@@ -33,6 +33,9 @@ std::string table(const std::vector<std::vector<std::string>>& rows, std::string
 /// "a, b, c" over as many lines as it takes, each after `indent`; the first line begins behind `lead`.
 std::string wrapped_list(std::string_view lead, const std::vector<std::string>& words, std::string_view indent);
 
+/// Running text over as many lines as it takes, the others after `indent`.
+std::string wrapped_text(std::string_view lead, std::string_view text, std::string_view indent);
+
 /// "1 joint", "2 joints".
 std::string counted(long count, std::string_view noun);
 /// Six significant digits; three where it is an error or a time.

@@ -3,23 +3,22 @@
 #include <string>
 
 #include "ferrers/core/diagnostics.h"
-#include "ferrers/redundancy/analysis.h"
-#include "ferrers/redundancy/permanence.h"
+#include "ferrers/redundancy/mechanism_analysis.h"
 
 namespace ferrers {
 
 /// What `ferrers.analyze/1` tells of one model. What is not known is null in the object, never invented.
 struct AnalysisDocument {
-  std::string model;                             ///< Empty: not known, the file could not be read.
-  const RedundancyReport* report = nullptr;      ///< Null: the model could not be read or assembled.
-  const PermanenceReport* permanence = nullptr;  ///< Null: not analysed.
+  std::string model;                            ///< Empty: not known, the file could not be read.
+  const MechanismAnalysis* analysis = nullptr;  ///< Null: the model could not be read.
   const Diagnostics* diagnostics = nullptr;
 };
 
 /// The JSON object of schema `ferrers.analyze/1`, two-space indentation, one newline at the end.
 ///
-/// `ok` is true when there is a report and no diagnostic is an error. Entries of self-stresses that are zero beside the
-/// largest of their column are left out. Numbers keep all their digits. Cost: linear in the report.
+/// `ok` is true when the mechanism was assembled and no diagnostic is an error. Entries of self-stresses that are zero
+/// beside the largest of their column are left out. Reactions that nothing determines have no value: null. Numbers keep
+/// all their digits. Cost: linear in the report.
 std::string write_analysis_json(const AnalysisDocument& document);
 
 /// The JSON array of diagnostics on its own: objects {code, severity, line, column, message, hint}; line and column are

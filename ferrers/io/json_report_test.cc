@@ -18,10 +18,10 @@ ordered_json report_of(const std::string& example) {
   ModelReadResult read = read_model_file(std::string(FERRERS_SOURCE_DIR) + "/examples/" + example);
   if (!read.model) return nullptr;
   const auto system = make_system(std::move(*read.model));
-  const RedundancyReport report = analyze_redundancy(*system, assemble(*system).state);
+  const MechanismAnalysis analysis = analyze_mechanism(*system);
   AnalysisDocument document;
   document.model = system->model->name();
-  document.report = &report;
+  document.analysis = &analysis;
   document.diagnostics = &read.diagnostics;
   return ordered_json::parse(write_analysis_json(document));
 }

@@ -44,7 +44,7 @@ bool reduce(const MatrixXd& basis, const std::vector<int>& pivots, std::vector<C
   for (long k = 0; k < reduced.cols(); ++k) {
     VectorXd v = reduced.col(k).normalized();
     for (double& value : v) {
-      if (is_negligible(value, 1.0)) value = 0;
+      if (is_surely_zero(value)) value = 0;
     }
     out.push_back({(v.array() != 0).count(), v});
   }

@@ -74,8 +74,9 @@ class GroupWriter {
     const double sign = vector[largest] < 0 ? -1 : 1;
     for (std::size_t i = 0; i < used.size(); ++i) {
       const double value = vector[static_cast<long>(i)];
-      if (is_negligible(value, 1.0)) continue;
+      if (is_surely_zero(value)) continue;
       out_.entries.emplace_back(used[i], column, sign * value * rows_.scale[used[i]]);
+      if (is_negligible(value, 1.0)) continue;
       place.joints.push_back(joint_of_row_[used[i]]);
       if (const int row = rows_.closure_row[used[i]]; row >= 0) place.closures.push_back(closure_of_row_[row]);
     }
