@@ -16,12 +16,12 @@ MatrixXd orthonormal_self_stresses(const RedundancyReport& report) {
   return scale.asDiagonal() * (qr.householderQ() * MatrixXd::Identity(Z.rows(), Z.cols()));
 }
 
-// What misalignment and the residual add to phi, on all rows; whether there is a residual to speak of.
+// What misalignment and the residual add to phi, on all rows. A residual of the size of rounding counts as none.
 VectorXd displacement_of_rows(const AllRows& rows, const std::vector<ComponentMap>& maps, const JointSprings& springs,
-                              const Scaling& scaling, const VectorXd& closure_residual, bool& open) {
+                              const Scaling& scaling, const VectorXd& closure_residual) {
   VectorXd delta = misalignment_of_rows(rows, maps, springs);
-  open = closure_residual.size() > 0 &&
-         closure_residual.cwiseProduct(scaling.rows).lpNorm<Eigen::Infinity>() > closed_tolerance(scaling);
+  const bool open = closure_residual.size() > 0 &&
+                    closure_residual.cwiseProduct(scaling.rows).cwiseAbs().maxCoeff() > closed_tolerance(scaling);
   for (int r = 0; open && r < rows.size(); ++r) {
     if (rows.closure_row[r] >= 0) delta[r] += closure_residual[rows.closure_row[r]];
   }
@@ -41,10 +41,12 @@ PreloadReport analyze_preload(const System& system, const State& state, const Re
   compute_positions(system, state.q, pos);
   const std::vector<ComponentMap> maps =
       compute_component_maps(system, compute_joint_frame_wrenches(system, state, pos));
-  bool open = false;
-  const VectorXd delta = displacement_of_rows(rows, maps, springs, scaling, closure_residual, open);
-  if (!springs.any && !open) return out;
-
+  const VectorXd delta = displacement_of_rows(rows, maps, springs, scaling, closure_residual);
+  if (delta.isZero(0)) return out;
+  if (report.self_stresses.cols() > kMostPreloadStresses) {
+    out.status = PreloadStatus::kTooLarge;
+    return out;
+  }
   const MatrixXd Z = orthonormal_self_stresses(report);
   const ForceMethod method = make_force_method(rows, maps, springs, Z, scaling.length_m);
   const DistributionResult result = solve_distribution(method, rows, maps, VectorXd::Zero(rows.size()), delta);

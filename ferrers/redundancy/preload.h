@@ -13,14 +13,17 @@
 /// does not close what is left of phi. Wanted: the reactions that this alone gives rise to: the distribution of no
 /// load, lambda_p = 0 (redundancy/distribution.h). No mass is read. With the residual of a loop that cannot close it
 /// tells how compliant joints close it elastically. To first order in misalignment and residual. Cost: that of one
-/// distribution.
+/// distribution, dense: O(rows · k²) for k self-stresses; nothing where all is in line.
 namespace ferrers {
 
 enum class PreloadStatus {
-  kNone,           ///< No joint has stiffness or misalignment, and everything closes: no preload.
+  kNone,           ///< No joint is out of line and everything closes: no preload.
   kSolved,         ///< Values are valid where their status is not kUndetermined.
   kContradictory,  ///< Rigid joints (`contradictory`) cannot be assembled with this misalignment: no values.
+  kTooLarge,       ///< Not computed: more than `kMostPreloadStresses` self-stresses.
 };
+
+inline constexpr int kMostPreloadStresses = 500;
 
 struct JointPreload {
   std::string joint;

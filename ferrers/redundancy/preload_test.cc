@@ -131,6 +131,7 @@ TEST(PreloadTest, ALoopThatDoesNotCloseIsClosedElastically) {
   for (JointSpec& j : rigid.joints) j.stiffness.reset();
   EXPECT_EQ(preload_of(rigid, residual).status, PreloadStatus::kContradictory);
   EXPECT_EQ(preload_of(rigid).status, PreloadStatus::kNone);
+  EXPECT_EQ(preload_of(spec).status, PreloadStatus::kNone) << "elastic, but nothing is out of line";
 }
 
 }  // namespace
