@@ -18,6 +18,7 @@ using namespace ferrers;  // NOLINT(google-build-using-namespace): the command s
 namespace {
 
 constexpr std::size_t kMostOpenJoints = 10;
+constexpr double kRounding = 1e-15;  // m or rad: no share of a contradiction
 
 /// Colours the severity and the underline of a formatted diagnostic.
 std::string painted(const std::string& text, const Style& style) {
@@ -77,9 +78,12 @@ std::string gap_text(const Model& model, const OpenJoint& open) {
 
 // A joint's share of what is missed, or that it takes part.
 std::string share_text(const JointGap& gap, bool elastic) {
-  if (gap.gap_m == 0 && gap.angle_rad == 0) return fmt::format("'{}' takes part in the contradiction", gap.joint);
-  return fmt::format("joint '{}' {} give {} and {}{}", gap.joint, elastic ? "has to" : "would have to",
-                     length_text(gap.gap_m), angle_text(gap.angle_rad), elastic ? "" : ", if all gave alike");
+  std::string share;
+  if (gap.gap_m > kRounding) share = length_text(gap.gap_m);
+  if (gap.angle_rad > kRounding) share += (share.empty() ? "" : " and ") + angle_text(gap.angle_rad);
+  if (share.empty()) return fmt::format("'{}' takes part in the contradiction", gap.joint);
+  return elastic ? fmt::format("joint '{}' has to give {}", gap.joint, share)
+                 : fmt::format("joint '{}' would have to give {}, if all gave alike", gap.joint, share);
 }
 
 void report_contradiction(LoadedModel& loaded, const ContradictionReport& contradiction) {

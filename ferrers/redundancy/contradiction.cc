@@ -49,6 +49,16 @@ std::pair<double, double> load_of(const Vector6d& gap, double length) {
   return {gap.head<3>().norm(), gap.tail<3>().norm() * length * length};
 }
 
+// The joints' gaps in an elastic fit, without the trace that rigid components are given there.
+std::vector<Vector6d> elastic_gaps(const System& system, double length, const BestFit& fit) {
+  const JointSprings springs = make_joint_springs(system, DistributionBy::kJointStiffness, length);
+  std::vector<Vector6d> gaps = fit.gaps;
+  for (std::size_t j = 0; j < gaps.size(); ++j) {
+    gaps[j] = (springs.compliance[j].array() > 0).select(gaps[j], Vector6d::Zero());
+  }
+  return gaps;
+}
+
 Contradiction describe(const System& system, const AllRows& rows, double length, const OpenCluster& cluster) {
   const BestFit& fit = cluster.alike;
   Contradiction out;
@@ -69,7 +79,7 @@ Contradiction describe(const System& system, const AllRows& rows, double length,
     out.misclosure = fit.residual * fit.residual / unit;  // yᵀ phi = f
     out.self_stress = fit.joint_stress / unit;
   }
-  const std::vector<Vector6d>& gaps = cluster.takes_up ? cluster.elastic.gaps : fit.gaps;
+  const std::vector<Vector6d> gaps = cluster.takes_up ? elastic_gaps(system, length, cluster.elastic) : fit.gaps;
   for (std::size_t j = 0; j < gaps.size(); ++j) {
     const auto [f, m] = load_of(fit.gaps[j], length);
     if (!is_loaded(std::max(f, m / length))) continue;
