@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kHealthy = 0.05;  // a part that is new by this much is taken for its number of rows
 constexpr double kPoorest = 1e-3;
-constexpr double kDropped = 1e-12;  // entries that are rounding
+constexpr double kDropped = 1e-6;  // far-off entries: they guide a choice whose conditioning is then computed in full
 constexpr double kContained = 1e-9;
 constexpr double kGrain = 1e-9;  // keys nearer than this are ties
 

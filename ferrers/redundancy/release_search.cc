@@ -197,21 +197,23 @@ bool any_complete(const std::vector<ReleaseSet>& sets) {
   return std::any_of(sets.begin(), sets.end(), [](const ReleaseSet& s) { return s.complete; });
 }
 
+// Greedy choices for several tastes; for very large groups two, unless those fail.
 void add_greedy(const ReleaseGroup& group, const SpinAnalyzer& spins, bool removal, std::vector<ReleaseSet>& sets) {
-  for (const bool slide_and_align : {false, true}) {
-    for (const bool moving : {false, true}) {
-      ReleaseSet set = choose_greedily(group, spins, {slide_and_align, moving, removal});
-      if (set.candidates.empty() || !set.complete || set.conditioning < kPoorest) continue;
-      const auto same =
-          std::find_if(sets.begin(), sets.end(), [&](const ReleaseSet& other) { return other.pattern == set.pattern; });
-      if (same == sets.end()) {
-        sets.push_back(std::move(set));
-      } else if (same->candidates != set.candidates) {
-        if (is_better(set, *same)) {
-          set.alternatives = same->alternatives;
-          std::swap(*same, set);
-        }
-      }
+  // {slide_and_align_only, moving_only, removal}; joints between moving bodies belong to few loops, so they come first.
+  const GreedyRules tastes[] = {
+      {false, true, removal}, {true, true, removal}, {false, false, removal}, {true, false, removal}};
+  int tried = 0;
+  for (const GreedyRules& taste : tastes) {
+    if (++tried > 2 && group.size() > kLargestDense && any_complete(sets)) break;
+    ReleaseSet set = choose_greedily(group, spins, taste);
+    if (set.candidates.empty() || !set.complete || set.conditioning < kPoorest) continue;
+    const auto same =
+        std::find_if(sets.begin(), sets.end(), [&](const ReleaseSet& other) { return other.pattern == set.pattern; });
+    if (same == sets.end()) {
+      sets.push_back(std::move(set));
+    } else if (same->candidates != set.candidates && is_better(set, *same)) {
+      set.alternatives = same->alternatives;
+      *same = std::move(set);
     }
   }
 }

@@ -32,6 +32,12 @@ bool holds_as_drawn_only(const Model& model) {
   });
 }
 
+int most_redundant_branch(const PermanenceReport& permanence) {
+  int most = 0;
+  for (const BranchReport& branch : permanence.branches) most = std::max(most, branch.redundant);
+  return most;
+}
+
 // One set per group.
 struct Combination {
   std::vector<int> sets;
@@ -114,7 +120,8 @@ class ReleaseAnalysis {
       own = analyze_permanence(system_, state_, report_, permanence_options());
       permanence = &own;
     }
-    if (permanence == nullptr || !permanence->generic_redundant) return;
+    if (!permanence->generic_redundant) return;
+    special_branches_ = std::max(0, most_redundant_branch(*permanence) - *permanence->generic_redundant);
     if (*permanence->generic_redundant >= report_.redundant) return;
     if (*permanence->generic_redundant == 0) {
       generic_redundant_ = 0;
@@ -299,6 +306,13 @@ class ReleaseAnalysis {
       return here;
     }
     release.holds_generically = release.redundant_after == redundant && release.mobility_after == mobility;
+    const int on_worst_branch = most_redundant_branch(generic);
+    if (*release.holds_generically && on_worst_branch > redundant + special_branches_) {
+      release.holds_generically = false;
+      release.condition =
+          fmt::format("on some branch of the motion through this pose {} stay redundant", on_worst_branch);
+      return true;
+    }
     if (*release.holds_generically) {
       if (!here) release.condition = fmt::format("at the drawn pose {} stay redundant", after.redundant);
       return true;
@@ -321,6 +335,7 @@ class ReleaseAnalysis {
   State base_;
   RedundancyReport base_report_;
   int generic_mobility_ = 0, generic_redundant_ = 0;
+  int special_branches_ = 0;  // how much more is redundant on some branch of motion through the pose
   std::vector<ReleaseGroup> groups_;
   std::vector<std::vector<ReleaseSet>> found_;
   ReleaseReport out_;

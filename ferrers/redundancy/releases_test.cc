@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <chrono>
+#include <span>
 
 #include "ferrers/redundancy/release_search.h"
 #include "ferrers/testing/absolute_solver.h"
@@ -88,7 +89,10 @@ TEST(ReleasesTest, EverySuggestionForTheZooIsIsostaticWithTheSameMobility) {
     }
     for (const Release& release : one.releases.releases) {
       if (!release.complete) continue;
-      EXPECT_TRUE(release.holds_generically.value_or(true)) << entry.name << ": " << release.says;
+      if (!release.holds_generically.value_or(false)) {
+        EXPECT_FALSE(release.condition.empty()) << entry.name << ": " << release.says;
+        continue;
+      }
       EXPECT_EQ(release.redundant_after, 0);
       EXPECT_GT(release.conditioning, 0);
       EXPECT_LE(release.conditioning, 1 + 1e-12);
@@ -108,13 +112,21 @@ TEST(ReleasesTest, AtASingularPoseWhatIsGenericallyRedundantIsReleased) {
   const Analysed one = analysed(spec);
   EXPECT_EQ(one.report.redundant, 8);
   EXPECT_THAT(one.releases.note, HasSubstr("adds 2"));
-  ASSERT_FALSE(one.releases.releases.empty());
+  int general = 0;
   for (const Release& release : one.releases.releases) {
     EXPECT_EQ(release.redundant_after, 0) << release.says;
     EXPECT_EQ(release.mobility_after, 1 + release.idle_freedoms) << release.says;
-    const witness::AbsoluteVerdict away = verdict_after(spec, release, 8);
+    ASSERT_TRUE(release.holds_generically);
+    if (!*release.holds_generically) {
+      EXPECT_THAT(release.condition, HasSubstr("branch"));
+      continue;
+    }
+    ++general;
+    const witness::AbsoluteVerdict away = verdict_after(witness::make_n_four_bar(2, 0.3), release);
     EXPECT_EQ(away.redundant, 0) << release.says;
+    EXPECT_EQ(away.mobility, 1 + release.idle_freedoms) << release.says;
   }
+  EXPECT_GT(general, 0);
 }
 
 TEST(ReleasesTest, RowsThatNoSelfStressLoadsAreNeverReleased) {
@@ -138,9 +150,9 @@ TEST(ReleasesTest, RowsThatNoSelfStressLoadsAreNeverReleased) {
 TEST(ReleasesTest, AnIdleSpinComesLastAndIsCounted) {
   const Analysed one = analysed(witness::make_four_bar(witness::FourBarJoints::kRevolute));
   const int place = place_of(one.releases, {{"A", JointType::kSpherical}, {"B", JointType::kSpherical}});
-  ASSERT_EQ(place, static_cast<int>(one.releases.releases.size()) - 1);
+  ASSERT_GE(place, 3);
   const Release& rssr = one.releases.releases[place];
-  EXPECT_EQ(rssr.idle_freedoms, 1);
+  for (const Release& after : std::span(one.releases.releases).subspan(place)) EXPECT_EQ(after.idle_freedoms, 1);
   EXPECT_EQ(rssr.mobility_after, 2);
   EXPECT_EQ(rssr.redundant_after, 0);
   for (int i = 0; i < place; ++i) EXPECT_EQ(one.releases.releases[i].idle_freedoms, 0);
