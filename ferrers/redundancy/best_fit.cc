@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ferrers/kinematics/constraint_blocks.h"
+
 namespace ferrers {
 namespace {
 
@@ -21,8 +23,12 @@ class Fit {
         rows_(make_all_rows(system, scaling)),
         compliance_(compliance),
         pos_(make_position_kinematics(system)),
-        rest_(make_velocity_kinematics(system)),
-        constraints_(make_constraint_kinematics(system)) {}
+        constraints_(make_constraint_blocks(system)),
+        local_row_(static_cast<std::size_t>(system.m), -1),
+        local_column_(static_cast<std::size_t>(system.nv), -1) {
+    for (std::size_t i = 0; i < cluster.rows.size(); ++i) local_row_[cluster.rows[i]] = static_cast<int>(i);
+    for (std::size_t k = 0; k < cluster.columns.size(); ++k) local_column_[cluster.columns[k]] = static_cast<int>(k);
+  }
 
   BestFit run(const State& start) {
     BestFit fit = settle(start);
@@ -35,14 +41,19 @@ class Fit {
   // Everything at one pose: f, y, and the directions.
   void evaluate(BestFit& fit) {
     compute_positions(system_, fit.state.q, pos_);
-    compute_constraints(system_, fit.state, pos_, rest_, constraints_);
-    const int m = static_cast<int>(cluster_.rows.size()), n = static_cast<int>(cluster_.columns.size());
+    compute_constraint_blocks(system_, fit.state, pos_, constraints_);
     fit.phi = constraints_.phi(cluster_.rows);
-    G_.resize(m, n);
-    for (int i = 0; i < m; ++i) {
-      for (int k = 0; k < n; ++k) {
-        const int row = cluster_.rows[i], column = cluster_.columns[k];
-        G_(i, k) = constraints_.G(row, column) * scaling_.rows[row] * scaling_.columns[column];
+    G_ = MatrixXd::Zero(static_cast<long>(cluster_.rows.size()), static_cast<long>(cluster_.columns.size()));
+    for (const ConstraintBlock& block : constraints_.blocks) {
+      for (long i = 0; i < block.G.rows(); ++i) {
+        const int row = block.row + static_cast<int>(i);
+        if (local_row_[row] < 0) continue;
+        for (std::size_t k = 0; k < block.columns.size(); ++k) {
+          const int column = block.columns[k];
+          if (local_column_[column] < 0) continue;
+          G_(local_row_[row], local_column_[column]) =
+              block.G(i, static_cast<long>(k)) * scaling_.rows[row] * scaling_.columns[column];
+        }
       }
     }
     const std::vector<JointFrameWrenches> joints = compute_joint_frame_wrenches(system_, fit.state, pos_);
@@ -196,8 +207,8 @@ class Fit {
   AllRows rows_;
   const Compliance& compliance_;
   PositionKinematics pos_;
-  VelocityKinematics rest_;
-  ConstraintKinematics constraints_;
+  ConstraintBlocks constraints_;
+  std::vector<int> local_row_, local_column_;  // −1: of another cluster, or held
   MatrixXd G_, free_;
   VectorXd scaled_phi_, scaled_stress_;
   Eigen::LLT<MatrixXd> metric_;

@@ -141,7 +141,8 @@ void write_text(ContradictionReport& report) {
   const std::string size = worst.angular ? angle_text(worst.misclosure) : length_text(worst.misclosure);
   std::string others;
   if (report.contradictions.size() > 1) {
-    others = fmt::format(", and {} more loops or groups of loops", report.contradictions.size() - 1);
+    const std::size_t more = report.contradictions.size() - 1;
+    others = fmt::format(", {} more {} too", more, more == 1 ? "loop does" : "loops do");
   }
   const std::string joints = quoted(worst.joints);
   if (report.verdict == ClosureVerdict::kElastic) {

@@ -9,6 +9,7 @@
 
 #include "ferrers/redundancy/joint_jacobian.h"
 #include "ferrers/redundancy/preload.h"
+#include "ferrers/testing/random_mechanism.h"
 #include "ferrers/testing/transforms.h"
 #include "ferrers/testing/zoo.h"
 #include "ferrers/testing/zoo_contradictory.h"
@@ -178,6 +179,30 @@ TEST(ContradictionTest, EveryDrawnMechanismClosesForSure) {
     EXPECT_LT(report.moved.distance_m, 1e-9) << entry.name;  // drawn loops close as drawn
     EXPECT_LT(report.moved.angle_rad, 1e-7) << entry.name;
   }
+}
+
+TEST(ContradictionTest, RandomMechanismsThatAreDrawnCloseForSure) {
+  for (int seed = 1; seed <= 120; ++seed) {
+    const witness::RandomMechanism mechanism = witness::make_random_mechanism(static_cast<std::uint64_t>(seed));
+    const ContradictionReport report = judged(mechanism.spec);
+    EXPECT_EQ(report.verdict, ClosureVerdict::kCloses) << seed << " " << mechanism.description;
+    EXPECT_TRUE(report.confident) << seed << " " << mechanism.description << " " << report.blur;
+  }
+}
+
+// Two quarrels that have nothing to do with one another are told apart.
+TEST(ContradictionTest, EveryClusterHasItsOwnMisclosure) {
+  ModelSpec spec = make_bennett_links(1e-6);
+  ModelSpec arm = make_arm_on_rods({{0, 2, 0}, {0, 2, 0}}, {std::hypot(1.0, 2.0), std::hypot(1.0, 2.0) + 3e-4});
+  spec.bodies.insert(spec.bodies.end(), arm.bodies.begin(), arm.bodies.end());
+  spec.joints.insert(spec.joints.end(), arm.joints.begin(), arm.joints.end());
+  const ContradictionReport report = judged(spec);
+  EXPECT_EQ(report.verdict, ClosureVerdict::kContradictory);
+  ASSERT_EQ(report.contradictions.size(), 2u);
+  EXPECT_EQ(joints_of(report.contradictions[0]), (std::vector<std::string>{"rod0", "rod1"}));
+  EXPECT_EQ(joints_of(report.contradictions[1]), kBennettJoints);
+  EXPECT_NEAR(report.contradictions[0].misclosure, 3e-4, 1e-9);
+  EXPECT_NE(report.text.find("1 more"), std::string::npos) << report.text;
 }
 
 TEST(ContradictionTest, TheMoveFromTheDrawingIsTold) {
