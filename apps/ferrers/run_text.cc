@@ -80,10 +80,10 @@ std::string decisions_text(const RunSummary& summary) {
 std::string distribution_text(const DistributionSummary& distribution) {
   std::string text;
   if (distribution.used) {
-    std::string what = "loads that rigid bodies leave open are divided by the joints' stiffness";
+    std::string what = "loads that rigid bodies leave open are shared out by the joints' stiffness";
     if (distribution.by == DistributionBy::kEqualStiffness) {
       what = fmt::format(
-          "loads that rigid bodies leave open are divided by equal stiffness of all joints, moments over {} m",
+          "loads that rigid bodies leave open are shared out by equal stiffness of all joints, moments over {} m",
           number(distribution.length_m));
     }
     text += line("distribution", what);
