@@ -47,6 +47,11 @@ MatrixXd orthonormal_block(const ReleaseCandidate& candidate, const MatrixXd& U)
 
 double least_singular_value(const MatrixXd& B) {
   if (B.rows() < B.cols()) return 0;
+  if (B.cols() == 3) {
+    Eigen::SelfAdjointEigenSolver<Matrix3d> direct;
+    direct.computeDirect(Matrix3d(B.transpose() * B), Eigen::EigenvaluesOnly);
+    return std::sqrt(std::max(0.0, direct.eigenvalues()[0]));
+  }
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(B.transpose() * B, Eigen::EigenvaluesOnly);
   return std::sqrt(std::max(0.0, eigen.eigenvalues()[0]));
 }
@@ -94,13 +99,14 @@ class Enumeration {
   Enumeration(const ReleaseGroup& group, const SpinAnalyzer& spins, const ReleaseSearchOptions& options, bool removal)
       : group_(group), spins_(spins), options_(options) {
     const MatrixXd U = triangular_factor(dense_rows(group));
+    blocks_.resize(group.candidates.size());
     for (std::size_t c = 0; c < group.candidates.size(); ++c) {
       const ReleaseCandidate& one = group.candidates[c];
       if (release_kinds()[one.kind].count > 1 && !removal) continue;
       if (by_joint_.empty() || group.candidates[by_joint_.back().front()].joint != one.joint) by_joint_.emplace_back();
       by_joint_.back().push_back(static_cast<int>(c));
       largest_ = std::max(largest_, one.k());
-      blocks_[static_cast<int>(c)] = orthonormal_block(one, U);
+      blocks_[c] = orthonormal_block(one, U);
     }
   }
 
@@ -108,7 +114,7 @@ class Enumeration {
     ReleaseSearch out;
     if (largest_ == 0) return out;
     const int least = (group_.size() + largest_ - 1) / largest_;
-    const int most = std::min(options_.max_changes, std::max(least + 1, 3));
+    const int most = std::min(options_.max_changes, std::max(least + 1, options_.idle_spins ? 3 : 0));
     for (int n = least; n <= most; ++n) {
       auto before = best_;
       descend(0, n, 0);
@@ -118,7 +124,7 @@ class Enumeration {
       break;
     }
     for (auto& [pattern, entry] : best_) {
-      entry.set.alternatives = static_cast<int>(entry.places.size()) - 1;
+      if (entry.set.spins == 0) entry.set.alternatives = static_cast<int>(entry.places.size()) - 1;
       out.sets.push_back(std::move(entry.set));
     }
     return out;
@@ -138,7 +144,8 @@ class Enumeration {
     for (std::size_t j = from; j < by_joint_.size(); ++j) {
       for (const int c : by_joint_[j]) {
         const int next = sum + group_.candidates[c].k();
-        if (next > group_.size() + 1 || next + (left - 1) * largest_ < group_.size()) continue;
+        if (next > group_.size() + (options_.idle_spins ? 1 : 0) || next + (left - 1) * largest_ < group_.size())
+          continue;
         if (++evaluations_ > options_.evaluations) return;
         chosen_.push_back(c);
         descend(j + 1, left - 1, next);
@@ -155,15 +162,17 @@ class Enumeration {
     }
     const double conditioning = least_singular_value(B);
     if (conditioning < kPoorest) return;
-    if (sum > group_.size() && !adds_one_spin()) return;
     ReleaseSet set = make_release_set(group_, chosen_);
     set.conditioning = conditioning;
     set.spins = sum - group_.size();
+    const auto known = best_.find(set.pattern);
+    const bool better = known == best_.end() || is_better(set, known->second.set);
+    if (set.spins > 0 && (!better || !adds_one_spin())) return;
     std::vector<std::pair<int, int>> place;
     for (const int c : chosen_) place.emplace_back(group_.candidates[c].joint, group_.candidates[c].kind);
     Entry& entry = best_[set.pattern];
     entry.places.insert(std::move(place));
-    if (entry.set.candidates.empty() || is_better(set, entry.set)) entry.set = std::move(set);
+    if (better) entry.set = std::move(set);
   }
 
   bool adds_one_spin() const {
@@ -187,7 +196,7 @@ class Enumeration {
   const SpinAnalyzer& spins_;
   ReleaseSearchOptions options_;
   std::vector<std::vector<int>> by_joint_;
-  std::map<int, MatrixXd> blocks_;
+  std::vector<MatrixXd> blocks_;  // by candidate
   std::map<std::vector<int>, Entry> best_;
   std::vector<int> chosen_;
   int largest_ = 0, evaluations_ = 0;

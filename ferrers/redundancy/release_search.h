@@ -34,6 +34,7 @@ struct ReleaseSearchOptions {
   int max_changes = 4;
   int evaluations = 20000;  ///< Of this group.
   int most = 8;             ///< Patterns kept.
+  bool idle_spins = true;   ///< Look for sets that add an idle spin too.
 };
 
 struct ReleaseSearch {

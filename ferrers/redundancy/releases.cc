@@ -13,7 +13,8 @@
 namespace ferrers {
 namespace {
 
-constexpr int kMostWalked = 600;  // coordinates up to which a generic configuration is looked for
+constexpr int kMostWithSpins = 50;  // groups up to which sets with idle spins, and one change more, are looked at
+constexpr int kMostWalked = 600;    // coordinates up to which a generic configuration is looked for
 
 double analysis_work(const System& system) {
   double work = 0;
@@ -147,6 +148,7 @@ class ReleaseAnalysis {
     search.max_changes = options_.max_changes;
     search.evaluations = std::max(200, options_.evaluations / out_.groups);
     search.most = options_.most + 2;
+    search.idle_spins = out_.groups <= kMostWithSpins;
     bool any = false;
     for (const ReleaseGroup& group : groups_) {
       ReleaseSearch found = search_group(group, spins, search);
@@ -293,9 +295,11 @@ class ReleaseAnalysis {
     if (spins != release.idle_freedoms) return false;
     const int redundant = release.redundant_after, mobility = release.mobility_after;
     const bool here = after.redundant == redundant && after.mobility == mobility;
-    PermanenceReport generic = analyze_permanence(*system, assembly.state, after, permanence_options());
-    if (after.redundant > 0) work += options_.configurations * analysis_work(*system);
-    if (!generic.generic_redundant && after.redundant == 0 && !holds_as_drawn_only(*system->model)) {
+    PermanenceReport generic;
+    if (after.redundant > 0) {
+      generic = analyze_permanence(*system, assembly.state, after, permanence_options());
+      work += options_.configurations * analysis_work(*system);
+    } else if (!holds_as_drawn_only(*system->model)) {
       generic.generic_redundant = 0;  // rank can only be lower at special poses: full here is full in general
       generic.generic_mobility = after.mobility;
     }

@@ -22,7 +22,9 @@
 /// 0.05 it is good), the mean preference of the changes, the conditioning. Preferences are a small table
 /// (release_candidates.cc): a joint between moving bodies before a bearing on ground; guides may turn at no cost; a
 /// member that floats should be centred by contacts and carry no other member along.
-/// Every suggestion is re-checked: applied, built, assembled, analysed at its pose and at generic configurations.
+/// Every suggestion is re-checked: applied, built, assembled and analysed. Where nothing is redundant at its pose, the
+/// rank is full there and so at all but special poses of the motion (a rank can only drop at special ones); else its
+/// generic configurations are analysed too.
 namespace ferrers {
 
 struct ReleaseChange {
