@@ -77,7 +77,7 @@ class Walker {
       const auto back = close(pose_, closure, half, 0);
       if (!back) return std::nullopt;
       const double miss = (back->way - half).norm() / half.norm();
-      if (miss > std::max(0.1, 0.8 * last_miss)) return std::nullopt;  // bends more, not less: it leads elsewhere
+      if (miss > std::max(0.15, 0.9 * last_miss)) return std::nullopt;  // bends more, not less: it leads elsewhere
       last_miss = miss;
       here = *back;
       if (i == 0) first = here;
@@ -119,7 +119,7 @@ class Walker {
 class Analysis {
  public:
   Analysis(const ClusterSystem& cluster, const State& pose, BranchOptions options)
-      : cluster_(cluster), pose_(pose), options_(options), walker_(cluster, pose, options), random_(options.seed) {
+      : cluster_(cluster), pose_(pose), options_(options), walker_(cluster, pose, options_), random_(options.seed) {
     if (cluster.system.nv <= kLarge) return;
     options_.configurations = std::min(options_.configurations, 4);
     options_.starts = std::min(options_.starts, 4);
@@ -185,7 +185,8 @@ class Analysis {
     return z;
   }
 
-  // A further step on the branch, in a random direction of its tangent, which confirms that it moves along its tangent; the rank there counts too.
+  // A further step on the branch, in a random direction of its tangent, which confirms that it moves along its tangent;
+  // the rank there counts too.
   bool walk_on(const State& from, const LocalMotion& local, const MatrixXd& tangent, MotionBranch& branch) {
     ReducedClosure closure(cluster_, local);
     for (int attempt = 0; attempt < 3; ++attempt) {
@@ -209,6 +210,10 @@ class Analysis {
     for (const VectorXd& z : cone.flexes) {
       ways.emplace_back(local.N * z);
       ways.emplace_back(-ways.back());
+      if (cone.flexes.size() > 8 || out_.mobility == 1) continue;
+      for (const double sign : {1.0, -1.0}) {  // where a branch bends away like a cusp, not quite along it
+        ways.emplace_back(local.N * (sign * z + 0.3 * direction(out_.mobility, 0).normalized()));
+      }
     }
     const std::size_t least = ways.empty() ? options_.starts : ways.size() + options_.starts / 3;
     while (ways.size() < least) ways.emplace_back(local.N * direction(out_.mobility, static_cast<int>(ways.size())));
@@ -224,7 +229,7 @@ class Analysis {
   void look_elsewhere(const LocalMotion& local, ReducedClosure& closure) {
     for (std::size_t b = 0; b < out_.branches.size() && b < 4; ++b) {
       const MatrixXd known = local.N.transpose() * out_.branches[b].tangent;
-      for (int i = 0; i < options_.starts / 3; ++i) {
+      for (int i = 0; i < options_.starts / 3 + out_.mobility; ++i) {
         VectorXd z = direction(out_.mobility, i);
         z -= known * (known.transpose() * z);
         walk(closure, local.N * z);

@@ -30,16 +30,17 @@ enum class FiniteMobilityBasis {
 std::string_view to_string(FiniteMobilityBasis basis);
 
 struct BranchOptions {
-  int starts = 24;          ///< Directions tried at a singular pose.
-  int configurations = 8;   ///< Poses judged at a regular one.
-  int largest_order_2 = 12; ///< More freedoms than this: no second-order test, directions at random.
+  int starts = 24;           ///< Directions tried at a singular pose.
+  int configurations = 8;    ///< Poses judged at a regular one.
+  int largest_order_2 = 12;  ///< More freedoms than this: no second-order test, directions at random.
   unsigned seed = 1;
 };
 
 /// A smooth branch of motion through the pose.
 struct MotionBranch {
   int dimension = 0;
-  int mobility = 0;   ///< By rank, at generic poses of the branch; larger than `dimension` where it is singular all along.
+  int mobility =
+      0;  ///< By rank, at generic poses of the branch; larger than `dimension` where it is singular all along.
   int redundant = 0;  ///< Rows of the cluster, at generic poses of the branch.
   int samples = 0;    ///< How many walks ended on it.
   MatrixXd tangent;   ///< nv × dimension: velocities at the pose (scaled, orthonormal).

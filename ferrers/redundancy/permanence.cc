@@ -176,7 +176,8 @@ PermanenceReport analyze_permanence(const System& system, const State& state, co
   for (const Cluster& cluster : system.topology->clusters) {
     const ClusterSystem part = make_cluster_system(system, scaling, cluster);
     ClusterMotion motion;
-    if (part.system.nv <= options.largest_cluster) motion = analyze_motion(part, part.restrict(state), options.branches);
+    if (part.system.nv <= options.largest_cluster)
+      motion = analyze_motion(part, part.restrict(state), options.branches);
     combiner.add(part, motion, out);
   }
   combiner.finish(out);

@@ -36,7 +36,7 @@ struct PermanenceOptions {
 /// A smooth branch of the motion of the whole mechanism through the pose.
 struct BranchReport {
   int dimension = 0;
-  int mobility = 0;   ///< By rank, at generic poses of the branch; larger than `dimension` where every pose is singular.
+  int mobility = 0;  ///< By rank, at generic poses of the branch; larger than `dimension` where every pose is singular.
   int redundant = 0;  ///< At generic poses of the branch.
   double share = 1;   ///< Of the walks that were tried.
   /// A velocity along the branch at the pose: coordinates that move, by name; rad/s and m/s, the largest one (angles
@@ -51,7 +51,7 @@ struct PermanenceReport {
   int configurations = 0;              ///< Reached and judged, the given one not counted.
   std::optional<int> finite_mobility;  ///< Largest dimension of a motion through the pose; empty: not established.
   FiniteMobilityBasis basis = FiniteMobilityBasis::kNotEstablished;
-  bool is_shaky = false;  ///< Some loops are proven rigid although the rank leaves them a mobility.
+  bool is_shaky = false;               ///< Some loops are proven rigid although the rank leaves them a mobility.
   std::vector<BranchReport> branches;  ///< Largest dimension first; empty where nothing moves or nothing is known.
   bool all_branches = true;            ///< False: more than are listed.
   bool second_order_done = true;       ///< False: some loops have too many freedoms for the second-order test.

@@ -85,28 +85,29 @@ bool ReducedClosure::restore(State& state) {
   return (U_.transpose() * phi_).norm() <= closed_tolerance(cluster_.scaling);
 }
 
-// The Gauss-Newton step on what remains, with the share along Y that keeps Uᵀ phi.
-VectorXd ReducedClosure::correction() {
-  MatrixXd along = N_;
+// What remains, to first order, as N z goes with the share along Y that keeps Uᵀ phi.
+void ReducedClosure::linearize() {
+  along_ = N_;
   if (Y_.cols() > 0) {
     factorize();
-    along -= Y_ * lu_.solve(UG_ * N_);
+    along_ -= Y_ * lu_.solve(UG_ * N_);
   }
   const MatrixXd ZG = (Z_.transpose() * cluster_.scaling.rows.asDiagonal()) * constraints_.G;
-  const MatrixXd J = ZG * cluster_.scaling.columns.asDiagonal() * along;
-  const VectorXd g = Z_.transpose() * phi_;
-  const double length = cluster_.scaling.length_m;
-  VectorXd z = damped_step(J, g, std::max(1e-4 * g.norm() / length, 1e-13));
-  const double limit = 0.1 * length;
-  const double size = z.cwiseAbs().maxCoeff();
-  if (size > limit) z *= limit / size;
-  return along * z;
+  J_ = ZG * cluster_.scaling.columns.asDiagonal() * along_;
+  g_ = Z_.transpose() * phi_;
 }
 
-// One step, shortened until what remains shrinks, or twice as long.
-bool ReducedClosure::improve(const VectorXd& step, double part, double wanted, State& state) {
+VectorXd ReducedClosure::correction(double damping) const {
+  VectorXd z = damped_step(J_, g_, std::max(damping * J_.norm(), 1e-14));
+  const double limit = 0.1 * cluster_.scaling.length_m;
+  const double size = z.cwiseAbs().maxCoeff();
+  if (size > limit) z *= limit / size;
+  return along_ * z;
+}
+
+bool ReducedClosure::improve(const VectorXd& step, double wanted, State& state) {
   State trial = state;
-  move(part * step, trial);
+  move(step, trial);
   if (!restore(trial) || !(remainder() < wanted)) return false;
   state = trial;
   return true;
@@ -116,21 +117,27 @@ bool ReducedClosure::close(State& state) {
   constexpr int kIterations = 60;
   const double length = cluster_.scaling.length_m;
   if (!restore(state)) return false;
-  double size = remainder(), ratio = 0;
+  double size = remainder(), ratio = 0, damping = 1e-6;
   for (int i = 0; i < kIterations && size > 3e-16 * length; ++i) {
-    const VectorXd step = correction();
+    linearize();
     // Quarters of what remains tell a double zero, half a step short each time. The step is doubled once, while
     // rounding does not yet spoil it.
-    if (size < 1e-9 * length && ratio > 0.2 && ratio < 0.3 && improve(step, 2, 0.1 * size, state)) break;
+    if (size < 1e-9 * length && ratio > 0.2 && ratio < 0.3 && improve(2 * correction(damping), 0.1 * size, state))
+      break;
     bool better = false;
-    for (double part = 1; part > 1e-3 && !better; part /= 4) better = improve(step, part, (1 - 0.1 * part) * size, state);
+    for (int k = 0; k < 6 && !better; ++k) {
+      better = improve(correction(damping), 0.9 * size, state);
+      damping = better ? std::max(0.01 * damping, 1e-12) : std::max(30 * damping, 1e-3);
+    }
     evaluate(state);
     if (!better) break;
     ratio = remainder() / size;
     size = remainder();
   }
   evaluate(state);
-  return phi_.cwiseAbs().maxCoeff() <= closed_tolerance(cluster_.scaling) && !is_any_flipped();
+  // Near a double zero a closed loop is far from closed: what remains must be down at rounding.
+  const bool is_closed = phi_.cwiseAbs().maxCoeff() <= closed_tolerance(cluster_.scaling);
+  return is_closed && remainder() <= 1e-13 * length && !is_any_flipped();
 }
 
 double ReducedClosure::remainder() const {

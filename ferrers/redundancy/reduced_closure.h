@@ -26,8 +26,9 @@ class ReducedClosure {
   void evaluate(const State& state);
   void factorize();
   bool restore(State& state);
-  VectorXd correction();
-  bool improve(const VectorXd& step, double part, double wanted, State& state);
+  void linearize();
+  VectorXd correction(double damping) const;
+  bool improve(const VectorXd& step, double wanted, State& state);
   double remainder() const;
   void move(const VectorXd& x, State& state) const;
   bool is_any_flipped() const;
@@ -38,7 +39,8 @@ class ReducedClosure {
   VelocityKinematics rest_;
   ConstraintKinematics constraints_;
   VectorXd phi_;  ///< Scaled.
-  MatrixXd UG_;
+  MatrixXd UG_, along_, J_;
+  VectorXd g_;
   Eigen::PartialPivLU<MatrixXd> lu_;
 };
 

@@ -23,13 +23,13 @@ struct QuadraticForms {
   bool confident = true;    ///< How many are independent was clear.
 
   VectorXd evaluate(const VectorXd& z) const;
-  MatrixXd gradient(const VectorXd& z) const;        ///< Row k: 2 zᵀ A_k.
-  MatrixXd combine(const VectorXd& y) const;         ///< Σ y_k A_k.
-  std::vector<MatrixXd> on(const MatrixXd& B) const; ///< Bᵀ A_k B.
+  MatrixXd gradient(const VectorXd& z) const;         ///< Row k: 2 zᵀ A_k.
+  MatrixXd combine(const VectorXd& y) const;          ///< Σ y_k A_k.
+  std::vector<MatrixXd> on(const MatrixXd& B) const;  ///< Bᵀ A_k B.
 };
 
-/// Where a branch of motion is singular all along, its equations have double zeros, and a pose on it is known to the root
-/// of rounding only: the `blur` (math/rank.h) to decide with at poses that were reached by closing loops.
+/// Where a branch of motion is singular all along, its equations have double zeros, and a pose on it is known to the
+/// root of rounding only: the `blur` (math/rank.h) to decide with at poses that were reached by closing loops.
 constexpr double kDoubleZeroBlur = 1e-7;
 
 /// Keeps what is independent. `blur`: error of the matrices.
@@ -41,11 +41,11 @@ QuadraticForms compute_second_order_forms(PoseProbe& probe, const LocalMotion& m
 
 /// The common zeros of the forms: a cone.
 struct FlexCone {
-  bool is_rigid = false;          ///< Proven: only 0.
-  bool confident = true;          ///< The proof does not hang on a doubtful zero.
-  std::vector<VectorXd> flexes;   ///< Zeros of unit norm, found from random starts; no two parallel.
-  MatrixXd span;                  ///< w × d, orthonormal: the subspace that they span.
-  bool is_linear = true;          ///< All of `span` are zeros, so that the cone is this subspace.
+  bool is_rigid = false;         ///< Proven: only 0.
+  bool confident = true;         ///< The proof does not hang on a doubtful zero.
+  std::vector<VectorXd> flexes;  ///< Zeros of unit norm, found from random starts; no two parallel.
+  MatrixXd span;                 ///< w × d, orthonormal: the subspace that they span.
+  bool is_linear = true;         ///< All of `span` are zeros, so that the cone is this subspace.
 };
 
 /// Seeded: always the same answer. `starts`: how many searches.
