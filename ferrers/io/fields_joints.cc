@@ -142,7 +142,8 @@ std::vector<ObjectFamily> make_joint_families() {
   return {
       joint_family(),
       single(Family::kJointStiffness, "joint_stiffness", "a joint's stiffness",
-             "In the joint's frame; one number stands for three, the word `rigid` for a component that does not give.",
+             "In the joint's frame (of a gear mesh: x along its line of action); one number stands for three, the word "
+             "`rigid` for a component that does not give.",
              {field("force", K::kStiffness3, kOfStiffness, "Along x, y, z", "rigid"),
               field("moment", K::kStiffness3, kOfTorsionStiffness, "About x, y, z", "rigid")}),
       single(Family::kMisalignment, "misalignment", "a misalignment",
