@@ -1,6 +1,7 @@
 #include "ferrers/redundancy/release_candidates.h"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/QR>
 #include <algorithm>
 #include <numeric>
 #include <set>
@@ -210,6 +211,7 @@ class GroupFinder {
   std::vector<ReleaseGroup> find(std::vector<ReleaseObstacle>& obstacles) {
     std::vector<ReleaseGroup> groups = connect();
     for (ReleaseGroup& group : groups) {
+      metric_ = group.size() <= kLargestOrthonormal ? triangular_factor(group) : MatrixXd();
       for (const int joint : group.joints) add_candidates(joint, group, obstacles);
     }
     return groups;
@@ -305,9 +307,16 @@ class GroupFinder {
       const int component = component_of_row(change.from, i);
       if (std::find(change.also.begin(), change.also.end(), component) != change.also.end()) also(i, c++) = 1;
     }
-    MatrixXd gram = MatrixXd::Zero(unit.cols(), unit.cols());
-    for (std::size_t a = 0; a < rows.size(); ++a) {
-      for (std::size_t b = 0; b < rows.size(); ++b) gram(a, b) = dot(rows_[first + rows[a]], rows_[first + rows[b]]);
+    std::vector<std::vector<std::pair<int, double>>> lines;
+    for (const int row : rows) lines.push_back(rows_[first + row]);
+    MatrixXd gram(unit.cols(), unit.cols());
+    if (metric_.size() > 0) {
+      const MatrixXd B = orthonormal_rows(lines, metric_);
+      gram = B * B.transpose();
+    } else {
+      for (std::size_t a = 0; a < rows.size(); ++a) {
+        for (std::size_t b = 0; b < rows.size(); ++b) gram(a, b) = dot(lines[a], lines[b]);
+      }
     }
     std::vector<MatrixXd> out;
     for (const VectorXd& axis : principal_axes(gram)) {
@@ -400,12 +409,29 @@ class GroupFinder {
   Hangers hangers_;
   std::vector<std::vector<std::pair<int, double>>> rows_;
   std::vector<int> local_;
+  MatrixXd metric_;  // of the group at hand
   std::vector<JointFrameWrenches> wrenches_;
 };
 
 }  // namespace
 
 std::span<const ReleaseKind> release_kinds() { return kKinds; }
+
+MatrixXd triangular_factor(const ReleaseGroup& group) {
+  MatrixXd Z = MatrixXd::Zero(static_cast<long>(group.rows.size()), group.size());
+  for (long i = 0; i < Z.rows(); ++i) {
+    for (const auto& [column, value] : group.rows[i].second) Z(i, column) = value;
+  }
+  return Z.householderQr().matrixQR().topRows(Z.cols()).triangularView<Eigen::Upper>();
+}
+
+MatrixXd orthonormal_rows(const std::vector<std::vector<std::pair<int, double>>>& rows, const MatrixXd& U) {
+  MatrixXd transposed = MatrixXd::Zero(U.cols(), static_cast<long>(rows.size()));
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    for (const auto& [column, value] : rows[i]) transposed(column, static_cast<long>(i)) = value;
+  }
+  return U.transpose().triangularView<Eigen::Lower>().solve(transposed).transpose();
+}
 
 std::vector<ReleaseGroup> find_release_groups(const System& system, const State& state, const RedundancyReport& report,
                                               std::vector<ReleaseObstacle>& obstacles) {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <limits>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -55,6 +54,16 @@ struct ReleaseObstacle {
   JointType to = JointType::kRevolute;
   std::string reason;
 };
+
+/// Groups up to this many self-stresses are measured by an orthonormal basis of theirs, so that nothing depends on the
+/// basis given; larger ones by the given (sparse, unit) columns.
+inline constexpr int kLargestOrthonormal = 200;
+
+/// U (upper triangular) with Z U⁻¹ orthonormal. For groups up to `kLargestOrthonormal`.
+MatrixXd triangular_factor(const ReleaseGroup& group);
+
+/// Rows of Z, dense, in that basis: B U⁻¹.
+MatrixXd orthonormal_rows(const std::vector<std::vector<std::pair<int, double>>>& rows, const MatrixXd& U);
 
 /// Cost: linear in the nonzeros of Z, times the kinds of changes.
 std::vector<ReleaseGroup> find_release_groups(const System& system, const State& state, const RedundancyReport& report,

@@ -121,6 +121,11 @@ class Greedy {
  public:
   Greedy(const ReleaseGroup& group, const SpinAnalyzer& spins, const GreedyRules& rules)
       : group_(group), space_(group.size()) {
+    const bool orthonormal = group.size() <= kLargestOrthonormal;
+    const MatrixXd U = orthonormal ? triangular_factor(group) : MatrixXd();
+    for (const ReleaseCandidate& one : group.candidates) {
+      blocks_.push_back(orthonormal ? sparse_rows(orthonormal_rows(one.block, U)) : one.block);
+    }
     for (std::size_t c = 0; c < group.candidates.size(); ++c) {
       const ReleaseCandidate& one = group.candidates[c];
       const ReleaseKind& kind = release_kinds()[one.kind];
@@ -178,13 +183,13 @@ class Greedy {
   std::vector<SparseRow> new_rows(int c) const {
     const ReleaseCandidate& one = group_.candidates[c];
     const auto chosen = chosen_.find(one.joint);
-    if (chosen == chosen_.end()) return one.block;
+    if (chosen == chosen_.end()) return blocks_[c];
     const MatrixXd& old = group_.candidates[chosen->second].rows;
     const MatrixXd shared = one.rows.transpose() * old;
     if (one.k() <= old.cols() || (one.rows * shared - old).cwiseAbs().maxCoeff() > kContained) return {};
     const MatrixXd full = shared.householderQr().householderQ();
     std::vector<SparseRow> rows;
-    for (int i = static_cast<int>(old.cols()); i < one.k(); ++i) rows.push_back(combined(one.block, full.col(i)));
+    for (int i = static_cast<int>(old.cols()); i < one.k(); ++i) rows.push_back(combined(blocks_[c], full.col(i)));
     return rows;
   }
 
@@ -206,7 +211,18 @@ class Greedy {
     return fresh > kHealthy ? k + weighted : weighted;
   }
 
+  static std::vector<SparseRow> sparse_rows(const MatrixXd& rows) {
+    std::vector<SparseRow> out(rows.rows());
+    for (long i = 0; i < rows.rows(); ++i) {
+      for (int c = 0; c < rows.cols(); ++c) {
+        if (std::abs(rows(i, c)) > kDropped) out[i].emplace_back(c, rows(i, c));
+      }
+    }
+    return out;
+  }
+
   const ReleaseGroup& group_;
+  std::vector<std::vector<SparseRow>> blocks_;  // by candidate
   RowSpace space_;
   std::map<int, std::vector<int>> of_joint_;
   std::map<int, int> chosen_;

@@ -14,36 +14,7 @@ namespace {
 constexpr double kPoorest = 1e-3;       // conditioning below which a change is no remedy
 constexpr int kLargestEnumerated = 15;  // self-stresses
 constexpr int kOneLoop = 3;             // self-stresses
-constexpr int kLargestDense = 200;      // self-stresses
 constexpr double kSame = 1e-9;          // values that differ by rounding only
-
-MatrixXd dense_rows(const ReleaseGroup& group) {
-  MatrixXd Z = MatrixXd::Zero(static_cast<long>(group.rows.size()), group.size());
-  for (long i = 0; i < Z.rows(); ++i) {
-    for (const auto& [column, value] : group.rows[i].second) Z(i, column) = value;
-  }
-  return Z;
-}
-
-// U with Z U⁻¹ orthonormal.
-MatrixXd triangular_factor(const MatrixXd& Z) {
-  return Z.householderQr().matrixQR().topRows(Z.cols()).triangularView<Eigen::Upper>();
-}
-
-MatrixXd dense_block(const ReleaseCandidate& candidate, int columns) {
-  MatrixXd block = MatrixXd::Zero(candidate.k(), columns);
-  for (int i = 0; i < candidate.k(); ++i) {
-    for (const auto& [column, value] : candidate.block[i]) block(i, column) = value;
-  }
-  return block;
-}
-
-MatrixXd orthonormal_block(const ReleaseCandidate& candidate, const MatrixXd& U) {
-  return U.transpose()
-      .triangularView<Eigen::Lower>()
-      .solve(dense_block(candidate, static_cast<int>(U.cols())).transpose())
-      .transpose();
-}
 
 double least_singular_value(const MatrixXd& B) {
   if (B.rows() < B.cols()) return 0;
@@ -98,7 +69,7 @@ class Enumeration {
  public:
   Enumeration(const ReleaseGroup& group, const SpinAnalyzer& spins, const ReleaseSearchOptions& options, bool removal)
       : group_(group), spins_(spins), options_(options) {
-    const MatrixXd U = triangular_factor(dense_rows(group));
+    const MatrixXd U = triangular_factor(group);
     blocks_.resize(group.candidates.size());
     for (std::size_t c = 0; c < group.candidates.size(); ++c) {
       const ReleaseCandidate& one = group.candidates[c];
@@ -106,7 +77,7 @@ class Enumeration {
       if (by_joint_.empty() || group.candidates[by_joint_.back().front()].joint != one.joint) by_joint_.emplace_back();
       by_joint_.back().push_back(static_cast<int>(c));
       largest_ = std::max(largest_, one.k());
-      blocks_[c] = orthonormal_block(one, U);
+      blocks_[c] = orthonormal_rows(one.block, U);
     }
   }
 
@@ -213,7 +184,7 @@ void add_greedy(const ReleaseGroup& group, const SpinAnalyzer& spins, bool remov
       {false, true, removal}, {true, true, removal}, {false, false, removal}, {true, false, removal}};
   int tried = 0;
   for (const GreedyRules& taste : tastes) {
-    if (++tried > 2 && group.size() > kLargestDense && any_complete(sets)) break;
+    if (++tried > 2 && group.size() > kLargestOrthonormal && any_complete(sets)) break;
     ReleaseSet set = choose_greedily(group, spins, taste);
     if (set.candidates.empty() || !set.complete || set.conditioning < kPoorest) continue;
     const auto same =
@@ -261,13 +232,13 @@ ReleaseSet make_release_set(const ReleaseGroup& group, std::vector<int> candidat
 }
 
 double release_conditioning(const ReleaseGroup& group, const std::vector<int>& candidates) {
-  if (group.size() > kLargestDense) return sparse_conditioning(group, candidates);
-  const MatrixXd U = triangular_factor(dense_rows(group));
+  if (group.size() > kLargestOrthonormal) return sparse_conditioning(group, candidates);
+  const MatrixXd U = triangular_factor(group);
   int rows = 0;
   for (const int c : candidates) rows += group.candidates[c].k();
   MatrixXd B(rows, group.size());
   for (int row = 0; const int c : candidates) {
-    B.middleRows(row, group.candidates[c].k()) = orthonormal_block(group.candidates[c], U);
+    B.middleRows(row, group.candidates[c].k()) = orthonormal_rows(group.candidates[c].block, U);
     row += group.candidates[c].k();
   }
   // Of a set that is not complete: of its own rows.

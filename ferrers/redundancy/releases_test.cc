@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <span>
 
 #include "ferrers/redundancy/release_search.h"
@@ -199,6 +200,26 @@ TEST(ReleasesTest, OrientationAndSizeDoNotChangeTheSuggestions) {
         EXPECT_EQ(changes_of(same.releases.releases[i]), changes_of(one.releases.releases[i])) << spec.name << " " << i;
         EXPECT_NEAR(same.releases.releases[i].conditioning, one.releases.releases[i].conditioning, 1e-7) << spec.name;
       }
+    }
+  }
+}
+
+TEST(ReleasesTest, TheOrderOfBodiesAndJointsDoesNotChangeThePatterns) {
+  const auto patterns = [](const Analysed& one) {
+    std::vector<std::pair<std::vector<std::pair<JointType, JointType>>, long>> out;
+    for (const Release& release : one.releases.releases) {
+      std::vector<std::pair<JointType, JointType>> types;
+      for (const ReleaseChange& change : release.changes) types.emplace_back(change.from, change.change.to);
+      std::sort(types.begin(), types.end());
+      out.emplace_back(std::move(types), std::lround(1e6 * release.conditioning));
+    }
+    std::sort(out.begin(), out.end());
+    return out;
+  };
+  for (const ModelSpec& spec : {witness::make_four_bar(witness::FourBarJoints::kRevolute), witness::make_planetary(3),
+                                witness::make_scissor_lift(1), witness::make_andrews()}) {
+    for (const std::uint64_t seed : {1, 2}) {
+      EXPECT_EQ(patterns(analysed(witness::permuted(spec, seed))), patterns(analysed(spec))) << spec.name;
     }
   }
 }
