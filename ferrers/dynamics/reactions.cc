@@ -68,6 +68,7 @@ struct ReactionSolver::Distributed {
   VectorXd lambda;  // all rows
   std::vector<ComponentMap> maps;
   std::optional<ForceMethod> method;  // none: nothing was distributed
+  std::vector<bool> valid;            // per joint, where distributed
 };
 
 namespace {
@@ -123,11 +124,8 @@ ReactionSolver::Distributed ReactionSolver::distribute(const Instant& at, Vector
   DistributionResult result =
       solve_distribution(*out.method, rows_, out.maps, out.lambda, misalignment_of_rows(rows_, out.maps, springs_));
   for (const int j : result.contradictory) outcome.contradictory.push_back(owner_name(*model_->system->model, j));
-  if (result.consistent) {
-    out.lambda = std::move(result.lambda);
-  } else {
-    out.method.reset();
-  }
+  out.lambda = std::move(result.lambda);
+  out.valid = std::move(result.valid);
   return out;
 }
 
@@ -137,13 +135,13 @@ std::vector<JointReaction> ReactionSolver::make_reactions(const Instant& at, con
   for (std::size_t j = 0; j < reactions.size(); ++j) {
     const Joint& joint = model_->system->model->joints()[j];
     const int first = rows_.first[j], count = rows_.count[j];
-    const MatrixXd remaining = solution.method ? MatrixXd(solution.method->remaining.middleRows(first, count))
-                                               : MatrixXd(at.Z.middleRows(first, count));
+    const bool distributed = solution.method && solution.valid[j];
+    const MatrixXd& open = distributed ? solution.method->remaining : at.Z;
     for (int k = 0; k < 6; ++k) {
       const Eigen::RowVectorXd row = component_row(joint, at.joints[j], axes, k);
       reactions[j].value[k] = row.dot(solution.lambda.segment(first, count));
-      reactions[j].status[k] =
-          judge_component(row, component_unit(k, scaling_.length_m), at.Z.middleRows(first, count), remaining);
+      reactions[j].status[k] = judge_component(row, component_unit(k, scaling_.length_m), at.Z.middleRows(first, count),
+                                               open.middleRows(first, count));
     }
     reactions[j].low = reactions[j].high = reactions[j].value;
   }

@@ -33,7 +33,8 @@ struct DistributionOptions {
 struct DistributionOutcome {
   bool used = false;                       ///< There was stiffness to distribute by.
   bool confident = true;                   ///< Which self-stresses it fixes was a clear decision.
-  std::vector<std::string> contradictory;  ///< Rigid joints that the misalignment cannot be assembled with: no values.
+  std::vector<std::string> contradictory;  ///< Rigid joints that cannot be assembled with the misalignment: no values
+  ///< for them and what self-stresses tie to them.
   BoundsMethod bounds = BoundsMethod::kExact;
 };
 

@@ -82,6 +82,37 @@ std::vector<SpringComponent> loaded_springs(const AllRows& rows, const std::vect
   return loaded;
 }
 
+// Joints and couplings that a self-stress works on.
+std::vector<int> touched_owners(const AllRows& rows, const VectorXd& stress) {
+  std::vector<int> touched;
+  const VectorXd scaled = stress.cwiseQuotient(rows.scale);
+  for (std::size_t j = 0; j < rows.first.size(); ++j) {
+    const double share = scaled.segment(rows.first[j], rows.count[j]).norm();
+    if (!is_negligible(share, scaled.norm())) touched.push_back(static_cast<int>(j));
+  }
+  return touched;
+}
+
+// Those that self-stresses tie to `seeds`, directly or through others: the projector on the self-stresses, which does
+// not depend on their basis, has a block for the two.
+std::vector<int> tied_owners(const ForceMethod& method, const AllRows& rows, std::vector<int> seeds) {
+  MatrixXd all(rows.size(), method.fixed.cols() + method.remaining.cols());
+  all << method.fixed, method.remaining;
+  all = rows.scale.cwiseInverse().asDiagonal() * all;
+  const auto block = [&](int j) { return all.middleRows(rows.first[j], rows.count[j]); };
+  std::vector<bool> seen(rows.first.size(), false);
+  for (const int j : seeds) seen[static_cast<std::size_t>(j)] = true;
+  for (std::size_t next = 0; next < seeds.size(); ++next) {
+    const MatrixXd here = block(seeds[next]);
+    for (std::size_t j = 0; j < seen.size(); ++j) {
+      if (seen[j] || is_negligible((here * block(static_cast<int>(j)).transpose()).norm(), 1.0)) continue;
+      seen[j] = true;
+      seeds.push_back(static_cast<int>(j));
+    }
+  }
+  return seeds;
+}
+
 // The y that minimizes |A y + b|² + 2 dᵀy, where A has full column rank and rows of very different size: these are
 // sorted and columns pivoted, which keeps small rows accurate beside large ones.
 VectorXd minimize(const MatrixXd& A, const VectorXd& b, const VectorXd& d) {
@@ -206,17 +237,13 @@ DistributionResult solve_distribution(const ForceMethod& method, const AllRows& 
   require_size(lambda_p.size(), rows.size(), "solve_distribution: lambda_p");
   require_size(delta.size(), rows.size(), "solve_distribution: delta");
   DistributionResult out;
+  out.valid.assign(rows.first.size(), true);
   // Work of the free self-stresses (of unit size in newtons) on delta, in metres.
   const VectorXd gap = method.remaining.transpose() * delta;
   const double size = rows.scale.cwiseProduct(delta).norm();
   if (gap.size() > 0 && !is_negligible(gap.norm(), size)) {
-    out.consistent = false;
-    const VectorXd stress = rows.scale.cwiseInverse().cwiseProduct(method.remaining * gap.normalized());
-    for (std::size_t j = 0; j < rows.first.size(); ++j) {
-      const double share = stress.segment(rows.first[j], rows.count[j]).norm();
-      if (!is_negligible(share, 1.0)) out.contradictory.push_back(static_cast<int>(j));
-    }
-    return out;
+    out.contradictory = touched_owners(rows, method.remaining * gap.normalized());
+    for (const int j : tied_owners(method, rows, out.contradictory)) out.valid[static_cast<std::size_t>(j)] = false;
   }
   out.lambda = lambda_p;
   if (method.fixed.cols() == 0) return out;

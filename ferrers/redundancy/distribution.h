@@ -84,10 +84,11 @@ VectorXd spring_loads(const ForceMethod& method, const AllRows& rows, const std:
 VectorXd misalignment_of_rows(const AllRows& rows, const std::vector<ComponentMap>& maps, const JointSprings& springs);
 
 struct DistributionResult {
-  /// False: `delta` contradicts the rigid joints in `contradictory` (indices as in `AllRows`); `lambda` is not valid.
-  bool consistent = true;
+  /// Joints and couplings (indices as in `AllRows`) whose rigid parts `delta` contradicts: none, or they cannot be
+  /// assembled.
   std::vector<int> contradictory;
-  VectorXd lambda;  ///< All rows; valid where no remaining self-stress works.
+  std::vector<bool> valid;  ///< Per joint and coupling: no self-stress ties it to contradictory ones.
+  VectorXd lambda;          ///< All rows; where valid, and no remaining self-stress works.
 };
 
 /// Solves for the multipliers. `lambda_p` and `delta`: all rows; `lambda_p` = 0 gives what misalignment alone does.

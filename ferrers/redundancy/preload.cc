@@ -50,13 +50,13 @@ PreloadReport analyze_preload(const System& system, const State& state, const Re
   const MatrixXd Z = orthonormal_self_stresses(report);
   const ForceMethod method = make_force_method(rows, maps, springs, Z, scaling.length_m);
   const DistributionResult result = solve_distribution(method, rows, maps, VectorXd::Zero(rows.size()), delta);
-  out.status = result.consistent ? PreloadStatus::kSolved : PreloadStatus::kContradictory;
+  out.status = result.contradictory.empty() ? PreloadStatus::kSolved : PreloadStatus::kContradictory;
   out.confident = method.decision.confident;
   for (const int j : result.contradictory) out.contradictory.push_back(owner_name(*system.model, j));
   for (std::size_t j = 0; j < maps.size(); ++j) {
     JointPreload& joint = out.joints.emplace_back();
     joint.joint = system.model->joints()[j].name;
-    const MatrixXd& open_stresses = result.consistent ? method.remaining : Z;
+    const MatrixXd& open_stresses = result.valid[j] ? method.remaining : Z;
     for (int k = 0; k < 6; ++k) {
       joint.status[k] = judge_component(maps[j].row(k), component_unit(k, scaling.length_m),
                                         Z.middleRows(rows.first[j], rows.count[j]),

@@ -19,7 +19,8 @@ namespace ferrers {
 enum class PreloadStatus {
   kNone,           ///< No joint is out of line and everything closes: no preload.
   kSolved,         ///< Values are valid where their status is not kUndetermined.
-  kContradictory,  ///< Rigid joints (`contradictory`) cannot be assembled with this misalignment: no values.
+  kContradictory,  ///< Rigid joints (`contradictory`) cannot be assembled with this misalignment: no values
+                   ///< for them and what is tied to them by self-stresses.
   kTooLarge,       ///< Not computed: more than `kMostPreloadStresses` self-stresses.
 };
 

@@ -98,6 +98,27 @@ TEST(PreloadTest, RigidJointsCannotBeAssembledWithMisalignment) {
   EXPECT_EQ(preload_of(spec).status, PreloadStatus::kSolved) << "across, the joints give way";
 }
 
+TEST(PreloadTest, AContradictionLeavesOtherLoopsTheirValues) {
+  ModelSpec spec = make_clamped_bar(kTranslation, kRotation);
+  const ModelSpec other = make_clamped_bar(kRigid, kRigid);
+  spec.bodies.push_back(other.bodies[0]);
+  spec.bodies.back().name = "rigid_bar";
+  for (JointSpec joint : other.joints) {
+    joint.name = "rigid_" + joint.name.name;
+    joint.bodies[1] = NameRef("rigid_bar");
+    spec.joints.push_back(joint);
+  }
+  const double gap = 2e-4;
+  set_misalignment(joint_of(spec, "right"), number3(gap, 0, 0), number3(0, 0, 0));
+  set_misalignment(joint_of(spec, "rigid_left"), number3(gap, 0, 0), number3(0, 0, 0));
+  const PreloadReport report = preload_of(spec);
+  EXPECT_EQ(report.status, PreloadStatus::kContradictory);
+  EXPECT_EQ(report.contradictory, (std::vector<std::string>{"rigid_left", "rigid_right"}));
+  EXPECT_EQ(report.joints[1].status[0], ReactionStatus::kDistributed);
+  EXPECT_NEAR(report.joints[1].value[0] / (-0.5 * kTranslation * gap), 1, 1e-12);
+  EXPECT_EQ(report.joints[2].status[0], ReactionStatus::kUndetermined);
+}
+
 TEST(PreloadTest, WithoutRedundancyMisalignmentLoadsNothing) {
   ModelSpec spec = make_four_bar(FourBarJoints::kSphericalCylindrical);
   set_misalignment(spec.joints[0], number3(1e-3, 1e-3, 1e-3), number3(1e-3, 0, 0));

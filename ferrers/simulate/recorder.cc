@@ -88,7 +88,7 @@ void Recorder::follow_distribution(double t, const DistributionOutcome& outcome)
   for (const std::string& name : outcome.contradictory) names += (names.empty() ? "'" : ", '") + name + "'";
   distribution_.notices.push_back("from t = " + std::to_string(t) +
                                   " s on, the misalignment contradicts rigid joints (" + names +
-                                  "): reactions are not distributed; give stiffness to what must give way");
+                                  "): their reactions are not distributed; give stiffness to what must give way");
 }
 
 void Recorder::follow_peaks() {
