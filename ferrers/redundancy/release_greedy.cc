@@ -27,17 +27,20 @@ class RowSpace {
  public:
   explicit RowSpace(int columns) : of_column_(columns), work_(columns, 0.0), seen_(columns, false) {}
 
-  /// The part of a row that is orthogonal to the basis.
-  SparseRow residual(const SparseRow& row) {
+  int size() const { return static_cast<int>(basis_.size()); }
+
+  /// The part of a row that is orthogonal to the basis, where it is so to the first `done` rows of it already.
+  SparseRow residual(const SparseRow& row, int done = 0) {
     ++call_;
     overlapping_.clear();
     for (const auto& [column, value] : row) {
       touch(column);
       work_[column] += value;
-      if (overlapping_.size() == basis_.size()) continue;
-      for (const int b : of_column_[column]) {
-        if (met_[b] != call_) overlapping_.push_back(b);
-        met_[b] = call_;
+      if (overlapping_.size() + done == basis_.size()) continue;
+      const std::vector<int>& rows = of_column_[column];  // ascending
+      for (auto it = rows.rbegin(); it != rows.rend() && *it >= done; ++it) {
+        if (met_[*it] != call_) overlapping_.push_back(*it);
+        met_[*it] = call_;
       }
     }
     std::sort(overlapping_.begin(), overlapping_.end());
@@ -121,6 +124,7 @@ class Greedy {
  public:
   Greedy(const ReleaseGroup& group, const SpinAnalyzer& spins, const GreedyRules& rules)
       : group_(group), space_(group.size()) {
+    fresh_.resize(group.candidates.size());
     const bool orthonormal = group.size() <= kLargestOrthonormal;
     const MatrixXd U = orthonormal ? triangular_factor(group) : MatrixXd();
     for (const ReleaseCandidate& one : group.candidates) {
@@ -145,13 +149,13 @@ class Greedy {
     while (!queue_.empty() && released < group_.size()) {
       const Entry top = queue_.top();
       queue_.pop();
-      const std::vector<SparseRow> rows = new_rows(top.candidate);
-      const double now = key(top.candidate, rows);
+      const double now = key(top.candidate);
       if (now < 0) continue;
       if (!queue_.empty() && now < queue_.top().key - kGrain) {
         queue_.push({now, top.candidate});
         continue;
       }
+      const std::vector<SparseRow> rows = std::move(fresh_[top.candidate].rows);
       for (const SparseRow& row : rows) space_.add(row);
       released += static_cast<int>(rows.size());
       const int joint = group_.candidates[top.candidate].joint;
@@ -175,7 +179,8 @@ class Greedy {
   };
 
   void push(int c) {
-    const double k = key(c, new_rows(c));
+    fresh_[c] = {new_rows(c), 0};
+    const double k = key(c);
     if (k >= 0) queue_.push({k, c});
   }
 
@@ -194,11 +199,13 @@ class Greedy {
   }
 
   // Number of rows plus the weighted conditioning of what is new; negative where nothing is.
-  double key(int c, const std::vector<SparseRow>& rows) {
-    if (rows.empty()) return -1;
-    const int k = static_cast<int>(rows.size());
-    std::vector<SparseRow> rest;
-    for (const SparseRow& row : rows) rest.push_back(space_.residual(row));
+  double key(int c) {
+    Fresh& fresh_part = fresh_[c];
+    std::vector<SparseRow>& rest = fresh_part.rows;
+    if (rest.empty()) return -1;
+    const int k = static_cast<int>(rest.size());
+    for (SparseRow& row : rest) row = space_.residual(row, fresh_part.done);
+    fresh_part.done = space_.size();
     MatrixXd gram(k, k);
     for (int a = 0; a < k; ++a) {
       for (int b = 0; b <= a; ++b) gram(a, b) = gram(b, a) = dot(rest[a], rest[b]);
@@ -221,8 +228,15 @@ class Greedy {
     return out;
   }
 
+  // What of a candidate's rows is new to those chosen, kept up to date when it is looked at.
+  struct Fresh {
+    std::vector<SparseRow> rows;
+    int done = 0;  // rows of the basis that they are orthogonal to
+  };
+
   const ReleaseGroup& group_;
   std::vector<std::vector<SparseRow>> blocks_;  // by candidate
+  std::vector<Fresh> fresh_;                    // by candidate
   RowSpace space_;
   std::map<int, std::vector<int>> of_joint_;
   std::map<int, int> chosen_;

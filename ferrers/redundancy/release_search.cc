@@ -183,9 +183,12 @@ void add_greedy(const ReleaseGroup& group, const SpinAnalyzer& spins, bool remov
   const GreedyRules tastes[] = {
       {false, true, removal}, {true, true, removal}, {false, false, removal}, {true, false, removal}};
   int tried = 0;
+  bool moving_fails = false;
   for (const GreedyRules& taste : tastes) {
     if (++tried > 2 && group.size() > kLargestOrthonormal && any_complete(sets)) break;
+    if (moving_fails && taste.moving_only && group.size() > kLargestOrthonormal) continue;
     ReleaseSet set = choose_greedily(group, spins, taste);
+    moving_fails = moving_fails || (taste.moving_only && !set.complete);
     if (set.candidates.empty() || !set.complete || set.conditioning < kPoorest) continue;
     const auto same =
         std::find_if(sets.begin(), sets.end(), [&](const ReleaseSet& other) { return other.pattern == set.pattern; });

@@ -71,7 +71,8 @@ struct ReleaseOptions {
 ReleaseReport analyze_releases(const System& system, const State& state, const RedundancyReport& report,
                                const ReleaseOptions& options = {});
 
-/// The specification with the changes made. Nothing, with a reason, where the specification is not the analysed one.
+/// The specification (the analysed one; parameters may have other values) with the changes made. Throws
+/// `std::invalid_argument` where it has no such joints.
 JointChangeResult apply_release(const ModelSpec& spec, const Release& release,
                                 const std::map<std::string, double>& parameter_values = {});
 
