@@ -75,7 +75,8 @@ class Walker {
     for (int i = 0; i < kHalvings; ++i) {
       const VectorXd half = 0.5 * here.way;
       const auto back = close(pose_, closure, half, 0);
-      if (!back) return std::nullopt;
+      if (!back && i < 2) return std::nullopt;
+      if (!back) break;  // near enough: closer to the pose, loops close badly
       const double miss = (back->way - half).norm() / half.norm();
       if (miss > std::max(0.15, 0.9 * last_miss)) return std::nullopt;  // bends more, not less: it leads elsewhere
       last_miss = miss;

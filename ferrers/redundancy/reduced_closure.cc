@@ -62,19 +62,18 @@ bool ReducedClosure::restore(State& state) {
   evaluate(state);
   if (Y_.cols() == 0) return true;
   double last = INFINITY;
-  bool fresh = false;
+  bool is_fresh = false;
   for (int i = 0; i < kIterations; ++i) {
     const VectorXd residual = U_.transpose() * phi_;
     const double size = residual.norm();
     if (!std::isfinite(size) || size > length) return false;
-    if (size <= 2e-16 * length || (size > 0.3 * last && size <= 1e-12 * length)) break;
-    if (size > 0.1 * last || i == 0) {
-      if (fresh && size > 0.9 * last) return false;
-      factorize();
-      fresh = true;
-    } else {
-      fresh = false;
+    if (size <= 2e-16 * length) break;
+    if (is_fresh && size > 0.5 * last) {  // as far as it goes
+      if (size > closed_tolerance(cluster_.scaling)) return false;
+      break;
     }
+    is_fresh = i == 0 || size > 0.1 * last;
+    if (is_fresh) factorize();
     last = size;
     const VectorXd step = -lu_.solve(residual);
     if (!(step.cwiseAbs().maxCoeff() < 0.5 * length)) return false;
@@ -115,6 +114,7 @@ bool ReducedClosure::improve(const VectorXd& step, double wanted, State& state) 
 
 bool ReducedClosure::close(State& state) {
   constexpr int kIterations = 60;
+  constexpr double kClosed = 1e-13;
   const double length = cluster_.scaling.length_m;
   if (!restore(state)) return false;
   double size = remainder(), ratio = 0, damping = 1e-6;
@@ -122,8 +122,12 @@ bool ReducedClosure::close(State& state) {
     linearize();
     // Quarters of what remains tell a double zero, half a step short each time. The step is doubled once, while
     // rounding does not yet spoil it.
-    if (size < 1e-9 * length && ratio > 0.2 && ratio < 0.3 && improve(2 * correction(damping), 0.1 * size, state))
-      break;
+    if (size < 1e-9 * length && ratio > 0.2 && ratio < 0.3 && improve(2 * correction(damping), 0.1 * size, state)) {
+      size = remainder();
+      ratio = 0;
+      if (size <= kClosed * length) break;
+      linearize();
+    }
     bool better = false;
     for (int k = 0; k < 6 && !better; ++k) {
       better = improve(correction(damping), 0.9 * size, state);
@@ -137,7 +141,7 @@ bool ReducedClosure::close(State& state) {
   evaluate(state);
   // Near a double zero a closed loop is far from closed: what remains must be down at rounding.
   const bool is_closed = phi_.cwiseAbs().maxCoeff() <= closed_tolerance(cluster_.scaling);
-  return is_closed && remainder() <= 1e-13 * length && !is_any_flipped();
+  return is_closed && remainder() <= kClosed * length && !is_any_flipped();
 }
 
 double ReducedClosure::remainder() const {

@@ -107,8 +107,8 @@ ModelSpec make_flyball();
 
 // --- Singular poses and what only seems to move (zoo_singular.cc); not part of zoo() ---
 
-/// Planar platform on three parallel legs of lengths 1, `second` and 1.1 m on x = 0, 1, 2.2: rank leaves mobility 1, but
-/// the platform's pins fall by u²/2l_i, which no rigid motion follows unless 1/l_i is linear in x_i.
+/// Planar platform on three parallel legs of lengths 1, `second` and 1.1 m on x = 0, 1, 2.2: rank leaves mobility 1,
+/// but the platform's pins fall by u²/2l_i, which no rigid motion follows unless 1/l_i is linear in x_i.
 ModelSpec make_unequal_legs(double second = 1.3);
 
 /// Two bars and three parallel hinges, both ends grounded, the middle one `off` from the line of the others.
@@ -117,17 +117,17 @@ ModelSpec make_two_bars(double off = 0);
 enum class LegEnds { kRods, kSphericalSpherical, kSphericalUniversal };
 
 /// Platform on six parallel legs of 1.5 m between congruent regular hexagons of radius 1. It translates along a circle
-/// in two directions, or screws about the middle: two branches, on both of which the legs' lines have rank 3 only.
-/// [karger2001]
+/// in two directions, or screws about the middle: two branches, on both of which the legs' lines have rank 3 only
+/// (parallel lines; one family of a hyperboloid's lines).
 ModelSpec make_six_legs(LegEnds ends);
 
 /// Watt's linkage whose middle point goes up along x ~ t³, its point tied by a level bar to a vertical slider: the
 /// relative height δ follows δ² ~ t³, a cusp, so that it moves one way only.
 ModelSpec make_cusp();
 
-/// Roberts' linkage with the coupler point of fourth-order straightness, tied by a bar across the straight line to a
-/// slider along it: with δ their distance along the line, δ² + c t⁴ = 0. With the bar upwards c is ... `upwards` tells
-/// which side the bar lies on: one of them moves along two branches that touch, the other is rigid at fourth order only.
+/// Roberts' linkage whose coupler point stays on a straight line to fourth order, tied by a bar across that line to a
+/// slider along it. With δ the difference of their ways t along the line, δ² + c t⁴ = 0: the bar `upwards` it moves, on
+/// two branches that touch; downwards it is rigid, which second order does not tell.
 ModelSpec make_touching(bool upwards);
 
 }  // namespace ferrers::witness
