@@ -82,11 +82,11 @@ std::string stress_text(const RedundancyReport& report, int k) {
     }
   }
   std::vector<std::pair<std::string, std::vector<std::string>>> gathered;
-  for (const auto& [joint, components] : loads) {
-    const auto same =
-        std::find_if(gathered.begin(), gathered.end(), [&](const auto& g) { return g.first == components; });
-    if (same == gathered.end()) gathered.push_back({components, {}});
-    (same == gathered.end() ? gathered.back() : *same).second.push_back(report.reactions[joint].joint);
+  for (const auto& load : loads) {
+    const std::string& components = load.second;
+    auto same = std::find_if(gathered.begin(), gathered.end(), [&](const auto& g) { return g.first == components; });
+    if (same == gathered.end()) same = gathered.insert(same, {components, {}});
+    same->second.push_back(report.reactions[load.first].joint);
   }
   std::string text;
   for (const auto& [components, joints] : gathered) {
@@ -205,6 +205,9 @@ std::string resultants_text(const std::vector<UniqueResultant>& resultants) {
 
 std::string preload_text(const PreloadReport& preload, const Style& style) {
   if (preload.status == PreloadStatus::kNone) return "";
+  if (preload.status == PreloadStatus::kTooLarge) {
+    return "   Too many states of stress for assembly stresses to be told.\n";
+  }
   if (preload.status == PreloadStatus::kContradictory) {
     return wrapped_list("   " + style.red("Contradictory") + ": misalignment that rigid joints cannot take up, in",
                         preload.contradictory, "      ");
@@ -250,14 +253,19 @@ std::string reactions_text(const Model& model, const MechanismAnalysis& analysis
     text += style.dim(fmt::format("   and {} more (--json lists all)\n", report.reactions.size() - kMostJoints));
   }
   text += resultants_text(analysis.resultants);
+  text += style.dim("   Components are along the joint's own axes; 'exact' counts dimensions whatever the axes.\n");
+  const bool has_springs = std::any_of(model.joints().begin(), model.joints().end(),
+                                       [](const Joint& joint) { return joint.stiffness.has_value(); });
   if (analysis.preload && analysis.preload->status != PreloadStatus::kNone) {
-    return text + preload_text(*analysis.preload, style);
+    text += preload_text(*analysis.preload, style);
+  } else if (has_springs) {
+    text += "   The others divide by the joints' stiffness; 'inverse' and 'simulate' give their values.\n";
+  } else {
+    text += style.dim(
+        "   The others depend on elasticity, play and assembly: no value is given for them. Give the joints a\n"
+        "   'stiffness' and they are divided by it, or ask for '--distribute equal'.\n");
   }
-  return text +
-         style.dim(
-             "   Components are along the joint's own axes; 'exact' counts dimensions whatever the axes. The others\n"
-             "   depend on elasticity, play and assembly: no value is given for them. Give the joints a 'stiffness'\n"
-             "   and they are divided by it, or ask for '--distribute equal'.\n");
+  return text;
 }
 
 std::string release_line(const Release& release) {
@@ -289,6 +297,12 @@ std::string releases_text(const RedundancyReport& report, const std::optional<Re
           fmt::format("        {} to {}: ", joint_type_info(change.from).name, joint_type_info(change.change.to).name),
           says, "           "));
     }
+  }
+  for (std::size_t i = 0; i < std::min<std::size_t>(releases->obstacles.size(), 3); ++i) {
+    const ReleaseObstacle& one = releases->obstacles[i];
+    text += style.dim(wrapped_text(
+        "        ", fmt::format("not offered: {} to {}: {}", one.joint, joint_type_info(one.to).name, one.reason),
+        "           "));
   }
   if (releases->releases.size() > kMostReleases) {
     text +=

@@ -134,7 +134,8 @@ OrderedJson permanence_value(const std::optional<PermanenceReport>& permanence) 
 }
 
 OrderedJson preload_value(const std::optional<PreloadReport>& preload) {
-  if (!preload || preload->status == PreloadStatus::kNone) return nullptr;
+  if (!preload || preload->status == PreloadStatus::kNone || preload->status == PreloadStatus::kTooLarge)
+    return nullptr;
   OrderedJson out, joints = OrderedJson::array();
   for (const JointPreload& joint : preload->joints) {
     OrderedJson components = OrderedJson::object();
@@ -273,7 +274,10 @@ void add_analysis(const MechanismAnalysis& analysis, OrderedJson& out) {
     out["consistent"] = closes;
     out["inconsistency"] = closes ? analysis.redundancy->inconsistency : analysis.closure.residual_m;
     out["contradictions"] = contradiction_values(analysis.closure);
-    if (!analysis.closure.confident) out["certainty"]["confident"] = false;
+    // A sure contradiction blurs the rank beneath it: the verdict's own certainty counts.
+    if (analysis.closure.verdict == ClosureVerdict::kContradictory || !analysis.closure.confident) {
+      out["certainty"]["confident"] = analysis.closure.confident;
+    }
   }
   if (!analysis.is_assembled() || !analysis.redundancy) return;
   add_details(*analysis.redundancy, out);

@@ -40,7 +40,7 @@ class SparseRank {
   int smallest_rank() const { return eliminated_; }
   int largest_rank() const { return eliminated_ + core_limit_; }
   void set_rank(int rank);
-  int rank() const { return rank_; }
+  int decided_rank() const { return rank_; }
 
   /// A vector of the left null space: (row, value), orthonormal to all others.
   using SparseVector = std::vector<std::pair<int, double>>;

@@ -57,7 +57,7 @@ int decided_rank(SparseRank& analysis) {
   const RankDecision decision = decide_rank(analysis.values(), 1.0);
   EXPECT_TRUE(decision.confident);
   analysis.set_rank(decision.rank);
-  return analysis.rank();
+  return analysis.decided_rank();
 }
 
 TEST(SparseRankTest, RankAndNullSpacesAreThoseOfSingularValues) {

@@ -97,11 +97,11 @@ ClusterDecision decide_clusters(const System& system, const Scaling& scaling, co
     c.rank = static_cast<int>(std::count_if(c.values.begin(), c.values.end(), [&](double v) { return v >= cut; }));
     c.elimination.set_rank(c.rank);
     // The elimination has dropped or kept for sure what the common cut reads otherwise: that is a doubt.
-    if (c.elimination.rank() != c.rank) {
+    if (c.elimination.decided_rank() != c.rank) {
       out.decision.confident = false;
       out.decision.other_rank = out.decision.rank;
     }
-    c.rank = c.elimination.rank();
+    c.rank = c.elimination.decided_rank();
     total += c.rank;
   }
   out.decision.rank = total;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ferrers/kinematics/assembly.h"
+#include "ferrers/redundancy/large_motion.h"
 
 namespace ferrers {
 namespace {
@@ -173,11 +173,12 @@ PermanenceReport analyze_permanence(const System& system, const State& state, co
   out.basis = FiniteMobilityBasis::kFirstOrder;
   const Scaling scaling = make_scaling(system);
   Combiner combiner(system, scaling);
-  for (const Cluster& cluster : system.topology->clusters) {
-    const ClusterSystem part = make_cluster_system(system, scaling, cluster);
-    ClusterMotion motion;
-    if (part.system.nv <= options.largest_cluster)
-      motion = analyze_motion(part, part.restrict(state), options.branches);
+  for (std::size_t c = 0; c < system.topology->clusters.size(); ++c) {
+    const ClusterSystem part = make_cluster_system(system, scaling, system.topology->clusters[c]);
+    const ClusterMotion motion =
+        part.system.nv <= options.largest_cluster
+            ? analyze_motion(part, part.restrict(state), options.branches)
+            : analyze_large_motion(system, scaling, state, static_cast<int>(c), options.branches);
     combiner.add(part, motion, out);
   }
   combiner.finish(out);

@@ -30,7 +30,7 @@ std::string_view to_string(Permanence kind);
 
 struct PermanenceOptions {
   BranchOptions branches;
-  int largest_cluster = 400;  ///< Clusters of more coordinates are not moved.
+  int largest_cluster = 200;  ///< Clusters of more coordinates are moved by sparse steps (large_motion.h).
 };
 
 /// A smooth branch of the motion of the whole mechanism through the pose.
