@@ -199,15 +199,6 @@ MatrixXd complete_self_stresses(const System& system, const Scaling& scaling, co
   return rows.scale.asDiagonal() * basis;
 }
 
-bool is_unique_component(const Eigen::Matrix<double, 6, 1>& direction, const JointFrameWrenches& joint,
-                         const Eigen::Ref<const MatrixXd>& Z_joint, double length_m) {
-  if (Z_joint.cols() == 0 || Z_joint.rows() == 0) return true;
-  // Work of the direction (a twist's worth of axes) on what self-stresses put there, in scaled units.
-  const Eigen::RowVectorXd work = direction.transpose() * joint.T * Z_joint;
-  const double unit = direction.head<3>().norm() > direction.tail<3>().norm() ? length_m : 1.0;
-  return is_negligible(work.norm() / unit, 1.0);
-}
-
 RedundancyReport analyze_redundancy(const System& system, const State& state, const AnalysisOptions& options) {
   RedundancyReport report;
   const Scaling scaling = make_scaling(system);

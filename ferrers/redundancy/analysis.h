@@ -89,8 +89,4 @@ MatrixXd complete_self_stresses(const System& system, const Scaling& scaling, co
 /// The closure rows' part of the self-stresses by elimination with a selection: no rank is decided. m × (m − r).
 MatrixXd self_stresses_of_selection(const System& system, const Selection& selection, const RowMatrixXd& G);
 
-/// A reaction component `direction` (6, world, at p_M) of a joint is unique when no self-stress works on it.
-bool is_unique_component(const Eigen::Matrix<double, 6, 1>& direction, const JointFrameWrenches& joint,
-                         const Eigen::Ref<const MatrixXd>& Z_joint, double length_m);
-
 }  // namespace ferrers
