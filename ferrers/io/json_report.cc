@@ -274,8 +274,8 @@ void add_analysis(const MechanismAnalysis& analysis, OrderedJson& out) {
     out["consistent"] = closes;
     out["inconsistency"] = closes ? analysis.redundancy->inconsistency : analysis.closure.residual_m;
     out["contradictions"] = contradiction_values(analysis.closure);
-    // A sure contradiction blurs the rank beneath it: the verdict's own certainty counts.
-    if (analysis.closure.verdict == ClosureVerdict::kContradictory || !analysis.closure.confident) {
+    // A misclosure that is sure blurs the rank beneath it: the verdict's own certainty counts.
+    if (!closes || !analysis.closure.confident) {
       out["certainty"]["confident"] = analysis.closure.confident;
     }
   }

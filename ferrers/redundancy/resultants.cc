@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <numeric>
+#include <set>
 
 namespace ferrers {
 namespace {
@@ -46,8 +47,10 @@ class Finder {
     for (const auto& [bodies, joints] : between) {
       if (joints.size() >= 2) judge(joints, bodies.second, bodies.first);
     }
+    std::set<std::vector<int>> told;
+    for (const auto& [bodies, joints] : between) told.insert(joints);
     for (const auto& [body, joints] : on) {
-      if (body != 0 && joints.size() >= 3) judge(joints, body, -1);
+      if (body != 0 && joints.size() >= 3 && told.count(joints) == 0) judge(joints, body, -1);
     }
     return std::move(found_);
   }
