@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "ferrers/core/checks.h"
+#include "ferrers/simulate/singular_poses.h"
 #include "ferrers/simulate/step_control.h"
 #include "ferrers/simulate/stepper.h"
 
@@ -172,7 +173,14 @@ class Run {
     if (!accept()) return false;
     between_.to = state_;
     between_.to_vdot = evaluator_.result().vdot;
+    if (control_crossing_) note_singular_pose();
     return true;
+  }
+
+  void note_singular_pose() {
+    const int rank = static_cast<int>(evaluator_.selection().rows.size());
+    const auto pose = find_singular_pose(system(), evaluator_.scaling(), between_, rank);
+    if (pose) summary_.singular_poses.push_back(*pose);
   }
 
   bool stuck() {

@@ -62,6 +62,13 @@ struct DecisionRecord {
   std::string reason;
 };
 
+/// A pose that the motion went across where the closure rank is lower than before and after.
+struct SingularPose {
+  double t = 0;
+  int rank = 0, rank_around = 0;    ///< Of the closure rows, there and on either side.
+  int mobility = 0, redundant = 0;  ///< There.
+};
+
 struct RunSummary {
   RunStatus status = RunStatus::kFinished;
   std::string message;
@@ -73,6 +80,7 @@ struct RunSummary {
   double max_constraint_residual = 0;                                       ///< m.
   double energy_start = 0, energy_end = 0, energy_min = 0, energy_max = 0;  ///< J.
   std::vector<DecisionRecord> decisions;
+  std::vector<SingularPose> singular_poses;
   std::vector<std::string> notices;
   std::vector<JointPeak> peaks;  ///< Per joint.
   DistributionSummary distribution;
