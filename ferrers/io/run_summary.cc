@@ -108,6 +108,15 @@ void add_summary(const RunDocument& document, OrderedJson& out) {
   OrderedJson decisions = OrderedJson::array();
   for (const DecisionRecord& decision : summary.decisions) decisions.push_back(decision_value(decision));
   out["decisions"] = std::move(decisions);
+  OrderedJson poses = OrderedJson::array();
+  for (const SingularPose& pose : summary.singular_poses) {
+    poses.push_back({{"t", pose.t},
+                     {"closure_rank", pose.rank},
+                     {"closure_rank_around", pose.rank_around},
+                     {"mobility", pose.mobility},
+                     {"redundant", pose.redundant}});
+  }
+  out["singular_poses"] = std::move(poses);
   out["notices"] = summary.notices;
   for (const std::string& notice : summary.distribution.notices) out["notices"].push_back(notice);
   out["distribution"] = distribution_value(summary.distribution);
@@ -175,7 +184,7 @@ std::string write_summary_json(const RunDocument& document) {
   } else {
     for (const char* key : {"status", "message", "method", "t_reached", "steps", "rejected", "evaluations",
                             "smallest_step_s", "largest_step_s", "wall_time_s", "max_constraint_residual_m", "energy",
-                            "decisions", "notices", "distribution", "drives", "joints"}) {
+                            "decisions", "singular_poses", "notices", "distribution", "drives", "joints"}) {
       out[key] = nullptr;
     }
   }
