@@ -44,18 +44,12 @@ class Track {
   ConstraintKinematics constraints_;
 };
 
-}  // namespace
-
-std::optional<SingularPose> find_singular_pose(const System& system, const Scaling& scaling, const Hermite& step,
-                                               int rank) {
-  if (rank == 0) return std::nullopt;
+// Golden section until the bracket is `width` wide.
+void narrow(Track& track, int rank, double width, double& a, double& b) {
   constexpr double kGolden = 0.6180339887498949;
-  constexpr double kWidth = 1e-11;  // of the step
-  Track track(system, scaling, step);
-  double a = step.from.t, b = step.to.t;
   double left = b - kGolden * (b - a), right = a + kGolden * (b - a);
   double at_left = track.smallest_kept(left, rank), at_right = track.smallest_kept(right, rank);
-  while (b - a > kWidth * (step.to.t - step.from.t)) {
+  while (b - a > width) {
     if (at_left < at_right) {
       b = right;
       right = left;
@@ -70,15 +64,39 @@ std::optional<SingularPose> find_singular_pose(const System& system, const Scali
       at_right = track.smallest_kept(right, rank);
     }
   }
-  SingularPose pose;
-  pose.t = 0.5 * (a + b);
-  const RankDecision decision = analyze_rank(track.jacobian(pose.t), 1.0).decision;
+}
+
+// In a narrow bracket both flanks are straight: where they meet, with an error that squares each time.
+void meet_flanks(Track& track, int rank, double step, double& a, double& b) {
+  for (int i = 0; i < 4; ++i) {
+    const double at_a = track.smallest_kept(a, rank), at_b = track.smallest_kept(b, rank);
+    const double t = at_a + at_b > 0 ? a + (b - a) * at_a / (at_a + at_b) : 0.5 * (a + b);
+    const double reach = std::max(4 * (b - a) * (b - a) / step, 1e-12 * step);
+    a = t - reach;
+    b = t + reach;
+  }
+}
+
+std::optional<SingularPose> judge(const System& system, Track& track, double t, int rank) {
+  const RankDecision decision = analyze_rank(track.jacobian(t), 1.0).decision;
   if (!decision.confident || decision.rank >= rank) return std::nullopt;
-  pose.rank = decision.rank;
-  pose.rank_around = rank;
-  pose.mobility = system.nv - decision.rank;
-  pose.redundant = system.m - decision.rank;
-  return pose;
+  return SingularPose{t, decision.rank, rank, system.nv - decision.rank, system.m - decision.rank};
+}
+
+}  // namespace
+
+std::optional<SingularPose> find_singular_pose(const System& system, const Scaling& scaling, const Hermite& step,
+                                               int rank) {
+  if (rank == 0) return std::nullopt;
+  Track track(system, scaling, step);
+  const double h = step.to.t - step.from.t;
+  double a = step.from.t, b = step.to.t;
+  narrow(track, rank, 0.02 * h, a, b);
+  double from = a, to = b;
+  meet_flanks(track, rank, h, from, to);
+  if (const auto pose = judge(system, track, 0.5 * (from + to), rank)) return pose;
+  narrow(track, rank, 1e-11 * h, a, b);
+  return judge(system, track, 0.5 * (a + b), rank);
 }
 
 }  // namespace ferrers
