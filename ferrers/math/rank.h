@@ -46,8 +46,8 @@ bool is_negligible(double value, double scale);
 /// For eliminations that decide what is clear and leave the rest: zero by the rule of `decide_rank` with a margin of
 /// ten, in a matrix scaled to one.
 bool is_surely_zero(double value, double blur = 0);
-/// Far enough from zero to be divided by. The first of `kPivotRounds` rounds is choosy, so that errors do not grow where
-/// there is a choice; the last takes whatever is surely nonzero with a margin.
+/// Far enough from zero to be divided by. The first of `kPivotRounds` rounds is choosy, so that errors do not grow
+/// where there is a choice; the last takes whatever is surely nonzero with a margin.
 constexpr int kPivotRounds = 3;
 bool is_healthy_pivot(double value, int round);
 
