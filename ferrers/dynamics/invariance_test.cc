@@ -329,5 +329,24 @@ TEST(InvarianceSeriesTest, EveryChangeIsMadeOften) {
   for (const auto& [name, count] : made) EXPECT_GE(count, 100) << name;
 }
 
+TEST(InvarianceSeriesTest, AllJointTypesAndKindsOfLoopsOccur) {
+  std::map<std::string, int> pieces;
+  std::set<JointType> types;
+  int redundant = 0, several = 0;
+  for (int seed = 0; seed < kMechanisms; ++seed) {
+    const RandomMechanism m = make_random_mechanism(static_cast<std::uint64_t>(seed));
+    redundant += m.verdict.redundant > 0;
+    several += m.loops > 1;
+    for (const JointSpec& joint : m.spec.joints) types.insert(joint.type);
+    for (const char* piece : {"planar loop", "spherical loop", "bennett", "bricard", "generic loop"}) {
+      pieces[piece] += m.description.find(piece) != std::string::npos;
+    }
+  }
+  EXPECT_EQ(types.size(), all_joint_types().size());
+  EXPECT_GE(redundant, kMechanisms / 2);
+  EXPECT_GE(several, kMechanisms / 2);
+  for (const auto& [piece, count] : pieces) EXPECT_GE(count, 30) << piece;
+}
+
 }  // namespace
 }  // namespace ferrers::witness
