@@ -77,6 +77,21 @@ std::string decisions_text(const RunSummary& summary) {
   return text;
 }
 
+std::string singular_text(const RunSummary& summary) {
+  std::string text;
+  const std::size_t shown = std::min(summary.singular_poses.size(), kMostDecisions);
+  for (std::size_t i = 0; i < shown; ++i) {
+    const SingularPose& one = summary.singular_poses[i];
+    text += line(i == 0 ? "singular" : "",
+                 fmt::format("t = {:.9g} s: rank {} instead of {}, mobility {}, {} redundant", one.t, one.all_rank,
+                             one.all_rank_around, one.mobility, one.redundant));
+  }
+  if (shown < summary.singular_poses.size()) {
+    text += line("", fmt::format("and {} more, in summary.json", summary.singular_poses.size() - shown));
+  }
+  return text;
+}
+
 std::string distribution_text(const DistributionSummary& distribution) {
   std::string text;
   if (distribution.used) {
@@ -114,7 +129,7 @@ std::string run_text(const RunDocument& document, long rows, const std::string& 
                                        number(summary.energy_start), rough(summary.energy_end - summary.energy_start),
                                        number(summary.energy_min), number(summary.energy_max)));
   }
-  text += decisions_text(summary);
+  text += decisions_text(summary) + singular_text(summary);
   for (const std::string& notice : summary.notices) text += line("note", notice);
   if (document.with_reactions) text += distribution_text(summary.distribution);
   text += drives_text(document, style);

@@ -111,6 +111,8 @@ void add_summary(const RunDocument& document, OrderedJson& out) {
   OrderedJson poses = OrderedJson::array();
   for (const SingularPose& pose : summary.singular_poses) {
     poses.push_back({{"t", pose.t},
+                     {"rank", pose.all_rank},
+                     {"rank_around", pose.all_rank_around},
                      {"closure_rank", pose.rank},
                      {"closure_rank_around", pose.rank_around},
                      {"mobility", pose.mobility},

@@ -65,8 +65,9 @@ struct DecisionRecord {
 /// A pose that the motion went across where the closure rank is lower than before and after.
 struct SingularPose {
   double t = 0;
-  int rank = 0, rank_around = 0;    ///< Of the closure rows, there and on either side.
-  int mobility = 0, redundant = 0;  ///< There.
+  int rank = 0, rank_around = 0;          ///< Of the closure rows, there and on either side.
+  int mobility = 0, redundant = 0;        ///< There.
+  int all_rank = 0, all_rank_around = 0;  ///< Of all joints' rows on body velocities, as `analyze` counts.
 };
 
 struct RunSummary {

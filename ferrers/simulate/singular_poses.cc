@@ -80,7 +80,14 @@ void meet_flanks(Track& track, int rank, double step, double& a, double& b) {
 std::optional<SingularPose> judge(const System& system, Track& track, double t, int rank) {
   const RankDecision decision = analyze_rank(track.jacobian(t), 1.0).decision;
   if (!decision.confident || decision.rank >= rank) return std::nullopt;
-  return SingularPose{t, decision.rank, rank, system.nv - decision.rank, system.m - decision.rank};
+  const int all_rows = system.topology->joint_rows;
+  return SingularPose{.t = t,
+                      .rank = decision.rank,
+                      .rank_around = rank,
+                      .mobility = system.nv - decision.rank,
+                      .redundant = system.m - decision.rank,
+                      .all_rank = all_rows - (system.m - decision.rank),
+                      .all_rank_around = all_rows - (system.m - rank)};
 }
 
 }  // namespace

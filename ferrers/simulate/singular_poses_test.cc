@@ -44,6 +44,8 @@ TEST(SingularPosesTest, TwoParallelogramsCrossTheHorizontalWhenTheClosedFormSays
   EXPECT_EQ(pose.redundant, 8);
   EXPECT_EQ(pose.rank, 2);
   EXPECT_EQ(pose.rank_around, 4);
+  EXPECT_EQ(pose.all_rank, 27);  // of 35 rows
+  EXPECT_EQ(pose.all_rank_around, 29);
 }
 
 TEST(SingularPosesTest, EveryCrossingOfTheHorizontalIsFound) {
