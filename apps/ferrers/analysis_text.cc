@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cctype>
 #include <map>
 
 #include "ferrers/model/joints/joint_type.h"
@@ -284,7 +285,10 @@ std::string releases_text(const RedundancyReport& report, const std::optional<Re
   if (report.redundant == 0) return text + "   None are needed.\n";
   if (!releases) return text + "   Not analysed.\n";
   if (releases->releases.empty() && releases->note.empty()) text += "   No joint change was found.\n";
-  if (!releases->note.empty()) text += wrapped_text("   ", releases->note, "   ");
+  if (std::string note = releases->note; !note.empty()) {
+    note.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(note.front())));
+    text += wrapped_text("   ", note + ".", "   ");
+  }
   std::vector<std::string> told;  // what a kind of change costs and gains is said once
   for (std::size_t i = 0; i < std::min<std::size_t>(releases->releases.size(), kMostReleases); ++i) {
     const Release& release = releases->releases[i];

@@ -23,8 +23,9 @@
 /// pattern of springs alone, in scaled units, so that no size of a stiffness and no unit bears on it; a delta that such
 /// a self-stress works on cannot be assembled at all.
 /// The result depends neither on lambda_p nor on the basis Z. Solved as least squares by orthogonal factors, never
-/// through Zᵀ C Z, so that stiffnesses may differ by ten orders of magnitude. Cost: O(springs · k²) for k
-/// self-stresses. Source: [przemieniecki1968], with multipliers in the place of member forces.
+/// through Zᵀ C Z: what a joint carries is exact to about a hundred roundings times the ratio of the largest to the
+/// smallest stiffness, relative to the whole load (1e-9 up to six decades, as measured on random mechanisms). Cost:
+/// O(springs · k²) for k self-stresses. Source: [przemieniecki1968], with multipliers in the place of member forces.
 namespace ferrers {
 
 enum class ReactionStatus {

@@ -46,6 +46,10 @@ TEST(MechanismAnalysisTest, AllFiveQuestionsAreAnsweredForEveryMechanismOfTheZoo
     EXPECT_EQ(a.preload->status, PreloadStatus::kNone);
     if (entry.redundant == 0) {
       EXPECT_TRUE(a.releases->releases.empty());
+    } else if (entry.name == "planetary2") {
+      // One mesh too many: no joint type lets a gear float in one radial direction only.
+      EXPECT_TRUE(a.releases->releases.empty());
+      EXPECT_FALSE(a.releases->note.empty());
     } else {
       EXPECT_FALSE(a.releases->releases.empty());
     }
