@@ -41,6 +41,7 @@ struct SparseRank::Eliminator {
   double blur;
   std::vector<Element> elements = {};
   std::vector<std::vector<int>> elements_of = {};  ///< Per column; may name dead elements.
+  std::vector<int> alive = {};                     ///< Per column: how many elements know it.
   std::vector<long> degree = {};                   ///< Per column: an upper bound of how many neighbours it has.
   std::vector<int> tried = {};                     ///< Per column: the element that it could not be eliminated from.
   std::vector<bool> done = {};
@@ -50,6 +51,7 @@ struct SparseRank::Eliminator {
   void run(std::vector<RowBlock> blocks) {
     const auto n = static_cast<std::size_t>(out.n_);
     elements_of.resize(n);
+    alive.assign(n, 0);
     degree.assign(n, 0);
     tried.assign(n, -1);
     done.assign(n, false);
@@ -88,7 +90,7 @@ struct SparseRank::Eliminator {
     out.fronts_.push_back(std::move(front));
   }
 
-  std::vector<int> alive_elements(int column) {
+  const std::vector<int>& alive_elements(int column) {
     std::vector<int>& list = elements_of[column];
     list.erase(std::remove_if(list.begin(), list.end(), [&](int e) { return !elements[e].alive; }), list.end());
     return list;
@@ -104,7 +106,7 @@ struct SparseRank::Eliminator {
     }
     std::vector<int> columns, shared;
     for (const auto& [c, count] : known) {
-      const bool inside = c == column || static_cast<int>(alive_elements(c).size()) == count;
+      const bool inside = c == column || alive[c] == count;
       (inside ? columns : shared).push_back(c);
     }
     const int candidates = static_cast<int>(columns.size());
@@ -135,7 +137,10 @@ struct SparseRank::Eliminator {
   void remove(int e) {
     Element& element = elements[e];
     element.alive = false;
-    for (const int c : element.columns) degree[c] -= static_cast<long>(element.columns.size());
+    for (const int c : element.columns) {
+      degree[c] -= static_cast<long>(element.columns.size());
+      --alive[c];
+    }
     element.A.resize(0, 0);
   }
 
@@ -213,6 +218,7 @@ struct SparseRank::Eliminator {
     for (const int c : element.columns) {
       elements_of[c].push_back(e);
       degree[c] += static_cast<long>(element.columns.size());
+      ++alive[c];
     }
     if (delayed > 0) {  // what was not healthy here is tried again only together with other rows
       for (const int c : element.columns) tried[c] = e;

@@ -11,6 +11,7 @@ namespace ferrers {
 namespace {
 
 constexpr double kHealthy = 0.05;  // a part that is new by this much is taken for its number of rows
+constexpr double kMostWork = 1e8;  // multiplications of one choice; beyond, self-stresses are too much of a tangle
 constexpr double kPoorest = 1e-3;
 constexpr double kDropped = 1e-6;  // far-off entries: they guide a choice whose conditioning is then computed in full
 constexpr double kContained = 1e-9;
@@ -28,6 +29,7 @@ class RowSpace {
   explicit RowSpace(int columns) : of_column_(columns), work_(columns, 0.0), seen_(columns, false) {}
 
   int size() const { return static_cast<int>(basis_.size()); }
+  double work() const { return work_done_; }  ///< Multiplications so far.
 
   /// The part of a row that is orthogonal to the basis, where it is so to the first `done` rows of it already.
   SparseRow residual(const SparseRow& row, int done = 0) {
@@ -45,6 +47,7 @@ class RowSpace {
     }
     std::sort(overlapping_.begin(), overlapping_.end());
     for (const int b : overlapping_) {
+      work_done_ += 2.0 * static_cast<double>(basis_[b].size());
       double along = 0;
       for (const auto& [column, value] : basis_[b]) along += value * work_[column];
       for (const auto& [column, value] : basis_[b]) {
@@ -88,6 +91,7 @@ class RowSpace {
   std::vector<int> touched_, overlapping_;
   std::vector<long> met_;  // per basis row: the call that met it last
   long call_ = 0;
+  double work_done_ = 0;
 };
 
 double dot(const SparseRow& a, const SparseRow& b) {
@@ -141,12 +145,14 @@ class Greedy {
     }
   }
 
+  double work() const { return space_.work(); }
+
   std::vector<int> run() {
     for (const auto& [joint, candidates] : of_joint_) {
       for (const int c : candidates) push(c);
     }
     int released = 0;
-    while (!queue_.empty() && released < group_.size()) {
+    while (!queue_.empty() && released < group_.size() && space_.work() < kMostWork) {
       const Entry top = queue_.top();
       queue_.pop();
       const double now = key(top.candidate);
@@ -246,7 +252,9 @@ class Greedy {
 }  // namespace
 
 ReleaseSet choose_greedily(const ReleaseGroup& group, const SpinAnalyzer& spins, const GreedyRules& rules) {
-  ReleaseSet set = make_release_set(group, Greedy(group, spins, rules).run());
+  Greedy greedy(group, spins, rules);
+  ReleaseSet set = make_release_set(group, greedy.run());
+  set.work = greedy.work();
   if (!set.candidates.empty()) set.conditioning = release_conditioning(group, set.candidates);
   return set;
 }

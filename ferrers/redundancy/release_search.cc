@@ -11,6 +11,7 @@
 namespace ferrers {
 namespace {
 
+constexpr double kMostWork = 2.5e8;     // multiplications of a group's greedy choices, after which no other is tried
 constexpr double kPoorest = 1e-3;       // conditioning below which a change is no remedy
 constexpr int kLargestEnumerated = 15;  // self-stresses
 constexpr int kOneLoop = 3;             // self-stresses
@@ -177,17 +178,20 @@ bool any_complete(const std::vector<ReleaseSet>& sets) {
   return std::any_of(sets.begin(), sets.end(), [](const ReleaseSet& s) { return s.complete; });
 }
 
-// Greedy choices for several tastes; for very large groups two, unless those fail.
-void add_greedy(const ReleaseGroup& group, const SpinAnalyzer& spins, bool removal, std::vector<ReleaseSet>& sets) {
+// Greedy choices for several tastes; for very large groups two, unless those fail, and none more once much was spent.
+void add_greedy(const ReleaseGroup& group, const SpinAnalyzer& spins, bool removal, double& spent,
+                std::vector<ReleaseSet>& sets) {
   // {slide_and_align_only, moving_only, removal}; joints between moving bodies belong to few loops, so they come first.
   const GreedyRules tastes[] = {
       {false, true, removal}, {true, true, removal}, {false, false, removal}, {true, false, removal}};
   int tried = 0;
   bool moving_fails = false;
   for (const GreedyRules& taste : tastes) {
+    if (spent > kMostWork) break;
     if (++tried > 2 && group.size() > kLargestOrthonormal && any_complete(sets)) break;
     if (moving_fails && taste.moving_only && group.size() > kLargestOrthonormal) continue;
     ReleaseSet set = choose_greedily(group, spins, taste);
+    spent += set.work;
     moving_fails = moving_fails || (taste.moving_only && !set.complete);
     if (set.candidates.empty() || !set.complete || set.conditioning < kPoorest) continue;
     const auto same =
@@ -250,6 +254,7 @@ double release_conditioning(const ReleaseGroup& group, const std::vector<int>& c
 
 ReleaseSearch search_group(const ReleaseGroup& group, const SpinAnalyzer& spins, const ReleaseSearchOptions& options) {
   ReleaseSearch out;
+  double spent = 0;
   for (const bool removal : {false, true}) {
     if (group.size() <= kLargestEnumerated) {
       ReleaseSearch found = Enumeration(group, spins, options, removal).run();
@@ -257,10 +262,11 @@ ReleaseSearch search_group(const ReleaseGroup& group, const SpinAnalyzer& spins,
       out.cut = out.cut || found.cut;
     }
     out.cut = out.cut || group.size() > kLargestEnumerated;
-    if (!any_complete(out.sets) || out.cut || group.size() > kOneLoop) add_greedy(group, spins, removal, out.sets);
+    if (!any_complete(out.sets) || out.cut || group.size() > kOneLoop)
+      add_greedy(group, spins, removal, spent, out.sets);
     if (any_complete(out.sets)) break;
   }
-  if (out.sets.empty()) {
+  if (out.sets.empty() && spent <= kMostWork) {
     ReleaseSet part = choose_greedily(group, spins, {});
     if (!part.candidates.empty()) out.sets.push_back(std::move(part));
   }

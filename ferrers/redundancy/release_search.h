@@ -28,6 +28,7 @@ struct ReleaseSet {
   double preference = 0;  ///< Mean of the logarithms of the candidates' preferences.
   int alternatives = 0;   ///< Other choices of joints with this pattern.
   bool complete = false;
+  double work = 0;  ///< Multiplications that a greedy choice took.
 };
 
 struct ReleaseSearchOptions {

@@ -157,7 +157,10 @@ class ReleaseAnalysis {
       found_.push_back(std::move(found.sets));
     }
     if (any) recheck(combine());
-    if (out_.releases.empty()) out_.note = "no change of joint types was found that removes the redundancy";
+    if (out_.releases.empty()) {
+      out_.note = "no change of joint types was found that removes the redundancy";
+      if (out_.search_was_cut) out_.note += "; too many self-stresses hang together for a full search";
+    }
   }
 
   // For every pattern that some group offers: the groups that offer it use it, the others their best.
