@@ -29,18 +29,20 @@ std::vector<int> moving_nodes(const System& whole, const Cluster& cluster) {
 // Renumbers what belongs to a cluster.
 class Extractor {
  public:
-  Extractor(const System& whole, const Cluster& cluster, ClusterSystem& out) : whole_(whole), out_(out) {
-    out.system.model = whole.model;
-    out.system.topology = whole.topology;
-    out.system.nodes.push_back(whole.nodes[0]);
-    for (const int n : moving_nodes(whole, cluster)) add_node(n);
+  Extractor(const System& whole, ClusterSystem& out) : whole_(whole), out_(out) {}
+
+  void run(const Cluster& cluster) {
+    out_.system.model = whole_.model;
+    out_.system.topology = whole_.topology;
+    out_.system.nodes.push_back(whole_.nodes[0]);
+    for (const int n : moving_nodes(whole_, cluster)) add_node(n);
     for (const int c : cluster.closures) {
-      if (whole.topology->closures[c].joint.valid()) add_cut(c);
+      if (whole_.topology->closures[c].joint.valid()) add_cut(c);
     }
     for (const int c : cluster.closures) {
-      if (!whole.topology->closures[c].joint.valid()) add_coupling(whole.topology->closures[c].row);
+      if (!whole_.topology->closures[c].joint.valid()) add_coupling(whole_.topology->closures[c].row);
     }
-    out.system.m = static_cast<int>(out.rows.size());
+    out_.system.m = static_cast<int>(out_.rows.size());
   }
 
  private:
@@ -131,7 +133,7 @@ State ClusterSystem::restrict(const State& whole) const {
 
 ClusterSystem make_cluster_system(const System& whole, const Scaling& scaling, const Cluster& cluster) {
   ClusterSystem out;
-  Extractor(whole, cluster, out);
+  Extractor(whole, out).run(cluster);
   out.system.drawn_winding = whole.drawn_winding(out.winding);
   out.scaling.length_m = scaling.length_m;
   out.scaling.rows = scaling.rows(out.rows);

@@ -344,7 +344,7 @@ class GroupFinder {
   static std::vector<VectorXd> principal_axes(const MatrixXd& gram) {
     const int n = static_cast<int>(gram.cols());
     const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(gram);
-    const VectorXd values = eigen.eigenvalues();
+    const VectorXd& values = eigen.eigenvalues();
     const bool round = values[0] > (1 - kNearlyEqual) * values[n - 1];
     std::vector<VectorXd> axes;
     for (int i = n - 1; i >= 0; --i) {
