@@ -1,13 +1,19 @@
 #include "ferrers/dynamics/equations.h"
 
+#include <utility>
+
+#include "ferrers/core/checks.h"
+
 namespace ferrers {
 
-Equations make_equations(const DynamicsModel& model) {
+Equations make_equations(const DynamicsModel& model, std::vector<int> driven) {
   const System& system = *model.system;
   Equations eq;
+  for (const int i : driven) require(model.drives.at(i).motion.has_value(), "make_equations: a driven drive has a law");
   eq.pos = make_position_kinematics(system);
   eq.vel = make_velocity_kinematics(system);
-  eq.constraints = make_constraint_kinematics(system);
+  eq.constraints = make_constraint_kinematics(system, static_cast<int>(driven.size()));
+  eq.driven = std::move(driven);
   eq.M = MatrixXd::Zero(system.nv, system.nv);
   eq.h = eq.tau = eq.force = VectorXd::Zero(system.nv);
   eq.B_transposed = RowMatrixXd::Zero(model.nu(), system.nv);
@@ -95,11 +101,29 @@ void sweep(const DynamicsModel& model, Equations& eq, bool with_bias) {
 
 }  // namespace
 
+void compute_driven_rows(const DynamicsModel& model, const State& state, const std::vector<int>& driven,
+                         const PositionKinematics& pos, const VelocityKinematics& vel, ConstraintKinematics& out) {
+  int row = model.system->m;
+  for (const int i : driven) {
+    const DriveComponent& drive = model.drives[i];
+    const Law::Motion law = drive.motion->motion(state.t);
+    const Jet jet = measure_drive(model, drive, state, pos, vel);
+    out.phi[row] = jet.value - law.value;
+    out.rate[row] = jet.rate;
+    out.nu[row] = law.rate;
+    out.gamma[row] = law.acceleration - jet.bias;
+    out.G.row(row).setZero();
+    add_drive_row(model, drive, pos, jet, out.G.row(row));
+    ++row;
+  }
+}
+
 void compute_kinematics(const DynamicsModel& model, const State& state, Equations& out) {
   const System& system = *model.system;
   compute_positions(system, state.q, out.pos);
   compute_velocities(system, out.pos, state.q, state.v, out.vel);
   compute_constraints(system, state, out.pos, out.vel, out.constraints);
+  compute_driven_rows(model, state, out.driven, out.pos, out.vel, out.constraints);
 }
 
 void compute_mass_and_bias(const DynamicsModel& model, Equations& out) { sweep(model, out, true); }
@@ -131,6 +155,7 @@ void compute_applied_forces(const DynamicsModel& model, const State& state, Equa
     add_drive_row(model, drive, out.pos, measure_drive(model, drive, state, out.pos, out.vel), out.B_transposed.row(i));
     out.u[i] = drive.effort ? drive.effort->evaluate(system, state, out.pos, out.vel) : 0;
   }
+  for (const int i : out.driven) out.u[i] = 0;
 }
 
 void compute_equations(const DynamicsModel& model, const State& state, Equations& out) {

@@ -19,7 +19,10 @@ struct Equations {
   VectorXd h, tau;
   RowMatrixXd B_transposed;  ///< nu×nv: rows of the drives' rates, ∂(rate)/∂v.
   VectorXd u;                ///< Efforts of the drives that have an effort law, else 0.
-  VectorXd force;            ///< tau + B u − h.
+  /// Drive components whose motion is prescribed here: their laws are rows of `constraints` after the system's m,
+  /// phi = c(q) − f(t), G v = f'(t), G vdot = gamma, and their efforts are those rows' multipliers, not in u.
+  std::vector<int> driven;
+  VectorXd force;  ///< tau + B u − h.
 
   // Work space.
   struct Composite {
@@ -32,11 +35,15 @@ struct Equations {
   std::vector<Wrenches> applied;  ///< Per node, 6 × 1.
 };
 
-Equations make_equations(const DynamicsModel& model);
+Equations make_equations(const DynamicsModel& model, std::vector<int> driven = {});
 
 /// Fills everything for `state`; drives take their effort laws. Allocates nothing. Cost: O(bodies · depth + rows ·
 /// loop).
 void compute_equations(const DynamicsModel& model, const State& state, Equations& out);
+
+/// The rows of prescribed drives, after the system's own.
+void compute_driven_rows(const DynamicsModel& model, const State& state, const std::vector<int>& driven,
+                         const PositionKinematics& pos, const VelocityKinematics& vel, ConstraintKinematics& out);
 
 /// The parts of `compute_equations`, for callers that know some already.
 void compute_kinematics(const DynamicsModel& model, const State& state, Equations& out);

@@ -16,4 +16,8 @@ ForwardResult make_forward_result(const System& system) {
   return {ForwardStatus::kSolved, VectorXd::Zero(system.nv), VectorXd::Zero(system.m)};
 }
 
+ForwardResult make_forward_result(const Equations& eq) {
+  return {ForwardStatus::kSolved, VectorXd::Zero(eq.h.size()), VectorXd::Zero(eq.constraints.phi.size())};
+}
+
 }  // namespace ferrers

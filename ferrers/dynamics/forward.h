@@ -41,6 +41,10 @@ class ForwardSolver {
   virtual ~ForwardSolver() = default;
   /// Allocates nothing.
   virtual void solve(const Equations& eq, ForwardResult& out) = 0;
+  /// The same matrices with other right sides: M vdot = force + G_rᵀ lambda, G_r vdot = gamma_r, with the factors of
+  /// the last `solve`, whose equations must still have the M and G they had. `gamma`: m. Allocates nothing; O(n²) where
+  /// `solve` is O(n³). What projections and linearizations want.
+  virtual void resolve(const VectorXd& force, const VectorXd& gamma, ForwardResult& out) = 0;
   /// Smallest pivot of the last factorization of the chosen rows: compare it with the one when they were chosen.
   virtual double smallest_pivot() const = 0;
 };
@@ -50,6 +54,8 @@ std::unique_ptr<ForwardSolver> make_forward_solver(Formulation formulation, cons
 std::unique_ptr<ForwardSolver> make_null_space_solver(const System& system, const Selection& selection);
 std::unique_ptr<ForwardSolver> make_elimination_solver(const System& system, const Selection& selection);
 
+/// `rows`: of the constraints; as many as the system has, and driven ones if there are any.
 ForwardResult make_forward_result(const System& system);
+ForwardResult make_forward_result(const Equations& eq);
 
 }  // namespace ferrers

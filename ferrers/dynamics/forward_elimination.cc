@@ -27,8 +27,6 @@ class EliminationSolver final : public ForwardSolver {
       return;
     }
     for (int i = 0; i < r_; ++i) X_.col(i) = eq.constraints.G.row(s_.rows[i]);
-    y_ = eq.force;
-    mass_.matrixL().solveInPlace(y_);
     if (r_ > 0) {
       mass_.matrixL().solveInPlace(X_);
       A_.noalias() = X_.transpose() * X_;
@@ -37,7 +35,17 @@ class EliminationSolver final : public ForwardSolver {
         out.status = ForwardStatus::kWornSelection;
         return;
       }
-      for (int i = 0; i < r_; ++i) lambda_[i] = eq.constraints.gamma[s_.rows[i]];
+    }
+    resolve(eq.force, eq.constraints.gamma, out);
+    if (!out.vdot.allFinite()) out.status = ForwardStatus::kWornSelection;
+  }
+
+  void resolve(const VectorXd& force, const VectorXd& gamma, ForwardResult& out) override {
+    out.status = ForwardStatus::kSolved;
+    y_ = force;
+    mass_.matrixL().solveInPlace(y_);
+    if (r_ > 0) {
+      for (int i = 0; i < r_; ++i) lambda_[i] = gamma[s_.rows[i]];
       lambda_.noalias() -= X_.transpose() * y_;
       llt_.solveInPlace(lambda_);
       y_.noalias() += X_ * lambda_;
@@ -45,7 +53,6 @@ class EliminationSolver final : public ForwardSolver {
     }
     mass_.matrixU().solveInPlace(y_);
     out.vdot = y_;
-    if (!out.vdot.allFinite()) out.status = ForwardStatus::kWornSelection;
   }
 
   double smallest_pivot() const override { return r_ > 0 ? llt_.matrixLLT().diagonal().cwiseAbs().minCoeff() : 1.0; }

@@ -31,6 +31,7 @@ class NullSpaceSolver final : public ForwardSolver {
   }
 
   void solve(const Equations& eq, ForwardResult& out) override {
+    M_ = &eq.M;
     if (r_ > 0) solve_dependent(eq.constraints);
     for (int i = 0; i < r_; ++i) {
       for (int k = 0; k < w_; ++k) N_(s_.dependent[i], k) = -X_(i, k);
@@ -56,6 +57,27 @@ class NullSpaceSolver final : public ForwardSolver {
     // residual_ = force − M vdot, which the constraint forces balance.
     if (r_ > 0) solve_multipliers(out.lambda);
     if (!out.vdot.allFinite()) out.status = ForwardStatus::kWornSelection;
+  }
+
+  void resolve(const VectorXd& force, const VectorXd& gamma, ForwardResult& out) override {
+    const auto& place = lu_.permutationP().indices();
+    for (int i = 0; i < r_; ++i) lambda_[place[i]] = gamma[s_.rows[i]];
+    if (r_ > 0) {
+      lu_.matrixLU().triangularView<Eigen::UnitLower>().solveInPlace(lambda_);
+      lu_.matrixLU().triangularView<Eigen::Upper>().solveInPlace(lambda_);
+    }
+    for (int i = 0; i < r_; ++i) p_[s_.dependent[i]] = lambda_[i];
+    out.status = ForwardStatus::kSolved;
+    out.vdot = p_;
+    residual_ = force;
+    residual_.noalias() -= *M_ * p_;
+    if (w_ > 0) {
+      z_.noalias() = N_.transpose() * residual_;
+      llt_.solveInPlace(z_);
+      out.vdot.noalias() += N_ * z_;
+      residual_.noalias() -= M_N_ * z_;
+    }
+    if (r_ > 0) solve_multipliers(out.lambda);
   }
 
   double smallest_pivot() const override { return r_ > 0 ? lu_.matrixLU().diagonal().cwiseAbs().minCoeff() : 1.0; }
@@ -86,6 +108,7 @@ class NullSpaceSolver final : public ForwardSolver {
   }
 
   Selection s_;
+  const MatrixXd* M_ = nullptr;  // of the equations solved last
   int r_, w_;
   MatrixXd G_d_, X_;
   MatrixXd N_, M_N_, reduced_;

@@ -1,6 +1,5 @@
 #include "ferrers/kinematics/assembly.h"
 
-#include <Eigen/QR>
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
@@ -9,6 +8,7 @@
 #include "ferrers/kinematics/constraint_blocks.h"
 #include "ferrers/kinematics/coordinates.h"
 #include "ferrers/kinematics/initial_values.h"
+#include "ferrers/math/damped_step.h"
 
 namespace ferrers {
 namespace {
@@ -106,15 +106,10 @@ class Closer {
     }
   }
 
-  // By QR of [J; μ I]: as accurate as J allows, whatever its rank.
   VectorXd solve_dense(double mu) const {
-    const long m = residual_.size(), n = static_cast<long>(free_.size());
-    MatrixXd A = MatrixXd::Zero(m + n, n);
-    for_entries([&](int row, int column, double value) { A(row, column) += value; });
-    A.bottomRows(n).diagonal().setConstant(mu);
-    VectorXd b = VectorXd::Zero(m + n);
-    b.head(m) = -residual_;
-    return A.householderQr().solve(b);
+    MatrixXd J = MatrixXd::Zero(residual_.size(), static_cast<long>(free_.size()));
+    for_entries([&](int row, int column, double value) { J(row, column) += value; });
+    return compute_damped_step(J, residual_, mu);
   }
 
   // By the normal equations, whose error the next iteration takes away.

@@ -4,12 +4,11 @@
 
 namespace ferrers {
 
-ConstraintKinematics make_constraint_kinematics(const System& system) {
+ConstraintKinematics make_constraint_kinematics(const System& system, int driven) {
+  const int m = system.m + driven;
   ConstraintKinematics out;
-  out.phi = VectorXd::Zero(system.m);
-  out.G = RowMatrixXd::Zero(system.m, system.nv);
-  out.gamma = VectorXd::Zero(system.m);
-  out.rate = VectorXd::Zero(system.m);
+  out.phi = out.gamma = out.rate = out.nu = VectorXd::Zero(m);
+  out.G = RowMatrixXd::Zero(m, system.nv);
   return out;
 }
 

@@ -9,16 +9,18 @@ namespace ferrers {
 ///
 ///   phi(q) = 0,   G v = nu,   G vdot = gamma(q, v)        [stepanyan, eq. (1), (3), (4)]
 ///
-/// Here nu = 0: prescribed motions are added by their owners (dynamics/inverse.h). Rows are named
+/// The system's own rows have nu = 0; rows of prescribed motions may follow them (dynamics/equations.h). Rows are named
 /// (`System::row_names`).
 struct ConstraintKinematics {
   VectorXd phi;    ///< m: residual, m or rad.
   RowMatrixXd G;   ///< m × nv: exact Jacobian, also off the manifold.
   VectorXd gamma;  ///< m.
   VectorXd rate;   ///< m: G v.
+  VectorXd nu;     ///< m.
 };
 
-ConstraintKinematics make_constraint_kinematics(const System& system);
+/// `driven`: room for so many rows after the system's own.
+ConstraintKinematics make_constraint_kinematics(const System& system, int driven = 0);
 
 /// Fills phi, G, gamma and rate. Allocates nothing. Cost: O(Σ rows × length of their loops), and m·nv to clear G.
 void compute_constraints(const System& system, const State& state, const PositionKinematics& pos,

@@ -122,18 +122,6 @@ RankAnalysis analyze_rank(const Eigen::MatrixXd& A, double scale, double blur) {
   return out;
 }
 
-RankAnalysis split_by_rank(const Eigen::MatrixXd& A, int rank) {
-  const int m = static_cast<int>(A.rows()), n = static_cast<int>(A.cols());
-  if (m == 0 || n == 0) return analyze_rank(A);
-  const auto svd = decompose(A);
-  RankAnalysis out;
-  out.decision = decide_rank(svd.singularValues());
-  out.decision.rank = rank;
-  out.left_null = svd.matrixU().rightCols(m - rank);
-  out.right_null = svd.matrixV().rightCols(n - rank);
-  return out;
-}
-
 std::vector<int> choose_independent_columns(const Eigen::MatrixXd& A, int rank) {
   std::vector<int> columns;
   if (rank > 0) {

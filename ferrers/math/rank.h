@@ -62,9 +62,6 @@ struct RankAnalysis {
 };
 RankAnalysis analyze_rank(const Eigen::MatrixXd& A, double scale = 0, double blur = 0);
 
-/// The same with the rank given (decided on more than this matrix).
-RankAnalysis split_by_rank(const Eigen::MatrixXd& A, int rank);
-
 /// `rank` rows (columns) that span all, best conditioned first, by column-pivoted QR; ascending indices.
 std::vector<int> choose_independent_rows(const Eigen::MatrixXd& A, int rank);
 std::vector<int> choose_independent_columns(const Eigen::MatrixXd& A, int rank);

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "ferrers/kinematics/assembly.h"
+#include "ferrers/math/damped_step.h"
 
 namespace ferrers {
 namespace {
@@ -14,17 +15,6 @@ MatrixXd complement(const MatrixXd& B) {
   const Eigen::HouseholderQR<MatrixXd> qr(B);
   const MatrixXd Q = qr.householderQ();
   return Q.rightCols(B.rows() - B.cols());
-}
-
-// min |J x + g|² + μ² |x|²
-VectorXd damped_step(const MatrixXd& J, const VectorXd& g, double mu) {
-  const long m = J.rows(), n = J.cols();
-  MatrixXd A = MatrixXd::Zero(m + n, n);
-  A.topRows(m) = J;
-  A.bottomRows(n).diagonal().setConstant(mu);
-  VectorXd b = VectorXd::Zero(m + n);
-  b.head(m) = -g;
-  return A.householderQr().solve(b);
 }
 
 }  // namespace
@@ -97,7 +87,7 @@ void ReducedClosure::linearize() {
 }
 
 VectorXd ReducedClosure::correction(double damping) const {
-  VectorXd z = damped_step(J_, g_, std::max(damping * J_.norm(), 1e-14));
+  VectorXd z = compute_damped_step(J_, g_, std::max(damping * J_.norm(), 1e-14));
   const double limit = 0.1 * cluster_.scaling.length_m;
   const double size = z.cwiseAbs().maxCoeff();
   if (size > limit) z *= limit / size;

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <random>
 
+#include "ferrers/math/damped_step.h"
 #include "ferrers/math/rank.h"
 
 namespace ferrers {
@@ -22,17 +23,6 @@ VectorXd random_direction(int size, std::mt19937& random) {
   return z.normalized();
 }
 
-// min |J x + f|² + μ² |x|²: no rank is decided, so that steps go on where two zeros meet.
-VectorXd damped_step(const MatrixXd& J, const VectorXd& f, double mu) {
-  const long m = J.rows(), n = J.cols();
-  MatrixXd A = MatrixXd::Zero(m + n, n);
-  A.topRows(m) = J;
-  A.bottomRows(n).diagonal().setConstant(mu);
-  VectorXd b = VectorXd::Zero(m + n);
-  b.head(m) = -f;
-  return A.householderQr().solve(b);
-}
-
 // Gauss-Newton onto the common zeros from z, staying on the unit sphere.
 bool descend(const QuadraticForms& forms, VectorXd& z) {
   constexpr int kIterations = 80;
@@ -42,7 +32,7 @@ bool descend(const QuadraticForms& forms, VectorXd& z) {
     const double size = f.norm();
     if (size < 1e-16 || (size > 0.9 * last && is_negligible(size, 1.0))) break;
     last = size;
-    VectorXd step = damped_step(forms.gradient(z), f, 1e-14);
+    VectorXd step = compute_damped_step(forms.gradient(z), f, 1e-14);
     if (step.norm() > 0.5) step *= 0.5 / step.norm();
     z = (z + step).normalized();
   }

@@ -145,17 +145,17 @@ Selection select_rows_and_coordinates(const System& system, const ClusterDecisio
 
 Selection select_independent(const System& system, const Scaling& scaling, const ConstraintKinematics& constraints,
                              RankDecision* decision) {
-  ClusterDecision clusters = decide_clusters(system, scaling, cut_into_blocks(system, constraints));
+  const ConstraintBlocks blocks = cut_into_blocks(system, constraints);
+  const ClusterDecision clusters = decide_clusters(system, scaling, blocks);
   if (decision) *decision = clusters.decision;
   Selection out;
   std::vector<bool> is_dependent(system.nv, false);
   for (std::size_t c = 0; c < clusters.clusters.size(); ++c) {
-    ClusterRank& cluster = clusters.clusters[c];
+    const ClusterRank& cluster = clusters.clusters[c];
     if (cluster.dense) {
       choose_in_block({cluster.rows, cluster.columns, cluster.G}, cluster.rank, out, is_dependent);
     } else {  // evaluation divides by the pivots of this block: they must be the best there are
-      const ClusterBlock block =
-          make_cluster_block(system, scaling, cut_into_blocks(system, constraints), system.topology->clusters[c]);
+      const ClusterBlock block = make_cluster_block(system, scaling, blocks, system.topology->clusters[c]);
       choose_in_block(block, cluster.rank, out, is_dependent);
     }
   }
