@@ -1,5 +1,7 @@
 #include "ferrers/dynamics/dynamics_model.h"
 
+#include "ferrers/dynamics/friction.h"
+
 namespace ferrers {
 
 double BoundLaw::evaluate(const System& system, const State& state, const PositionKinematics& pos,
@@ -93,13 +95,28 @@ class Binder {
     for (std::size_t j = 0; j < model().joints().size(); ++j) {
       const Joint& joint = model().joints()[j];
       if (!joint.friction) continue;
-      if (joint.friction->coulomb != 0) model_->unsupported.push_back("Coulomb friction in joint '" + joint.name + "'");
+      if (joint.friction->coulomb != 0) bind_dry_friction(JointId(j), joint);
       if (joint.friction->viscous == 0) continue;
       const JointTypeInfo& type = joint_type_info(joint.type);
       for (int k = 0; k < static_cast<int>(type.coordinates.size()) && type.coordinate_jets; ++k) {
         model_->torsion_springs.push_back({system().access({JointId(j), k}), 0, joint.friction->viscous, 0});
       }
     }
+  }
+
+  void bind_dry_friction(JointId id, const Joint& joint) {
+    BoundFriction friction;
+    friction.joint = id;
+    friction.frames = system().frame_pair(id);
+    friction.coulomb = joint.friction->coulomb;
+    friction.radius_m = joint.friction->radius_m;
+    if (const std::string obstacle = find_slips(joint, friction); !obstacle.empty()) {
+      model_->unsupported.push_back("Coulomb friction in joint '" + joint.name + "': " + obstacle);
+      return;
+    }
+    friction.first = model_->friction_slips;
+    model_->friction_slips += friction.slips;
+    model_->frictions.push_back(std::move(friction));
   }
 
   void bind_drive(DriveId id) {

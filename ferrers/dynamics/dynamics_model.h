@@ -44,6 +44,18 @@ struct BoundLoad {
   std::array<BoundLaw, 3> components;
 };
 
+/// Dry friction in a joint (see dynamics/friction.h): where its parts slide on each other, and what presses them.
+struct BoundFriction {
+  JointId joint;
+  FramePair frames;
+  double coulomb = 0, radius_m = 0;
+  double slip_scale = 0;             ///< Slip speed over which friction builds up, m/s.
+  int first = 0;                     ///< Its first slip among all.
+  int slips = 0;                     ///< How many directions it can slip in.
+  std::array<int, 6> components{};   ///< Per slip: along (0-2) or about (3-5) which axis of F.
+  std::vector<int> forces, moments;  ///< Reaction components in F that press the parts together, 0-2 and 3-5.
+};
+
 /// One scalar that a drive moves: a joint coordinate, the distance of two points, or a component of a point's position.
 struct DriveComponent {
   std::string name;
@@ -64,6 +76,8 @@ struct DynamicsModel {
   std::vector<BoundTorsionSpring> torsion_springs;  ///< Also joint damping and viscous joint friction.
   std::vector<BoundBushing> bushings;
   std::vector<BoundLoad> loads;
+  std::vector<BoundFriction> frictions;      ///< Dry friction; depends on reactions.
+  int friction_slips = 0;                    ///< nf: slips of all frictions.
   std::vector<DriveComponent> drives;        ///< nu of them.
   std::vector<std::string> massless_bodies;  ///< Bodies without a given mass: dynamics must refuse them.
   std::vector<std::string> unsupported;      ///< What the model asks and the dynamics cannot do, in words.

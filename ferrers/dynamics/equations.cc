@@ -18,6 +18,7 @@ Equations make_equations(const DynamicsModel& model, std::vector<int> driven) {
   eq.h = eq.tau = eq.force = VectorXd::Zero(system.nv);
   eq.B_transposed = RowMatrixXd::Zero(model.nu(), system.nv);
   eq.u = VectorXd::Zero(model.nu());
+  eq.friction = VectorXd::Zero(model.friction_slips);
   eq.composites.resize(system.nodes.size());
   eq.applied.assign(system.nodes.size(), Wrenches::Zero(6, 1));
   return eq;
@@ -136,6 +137,7 @@ void compute_mass_matrix(const DynamicsModel& model, Equations& out) {
 void compute_applied_forces(const DynamicsModel& model, const State& state, Equations& out) {
   const System& system = *model.system;
   out.tau.setZero();
+  out.friction.setZero();
   if (model.has_forces) {
     for (Wrenches& w : out.applied) w.setZero();
     compute_force_elements(model, state, out.pos, out.vel, out.applied, out.tau);

@@ -22,7 +22,8 @@ struct Equations {
   /// Drive components whose motion is prescribed here: their laws are rows of `constraints` after the system's m,
   /// phi = c(q) − f(t), G v = f'(t), G vdot = gamma, and their efforts are those rows' multipliers, not in u.
   std::vector<int> driven;
-  VectorXd force;  ///< tau + B u − h.
+  VectorXd friction;  ///< Dry friction along each slip (dynamics/friction.h), in tau; zero until it is solved for. N.
+  VectorXd force;     ///< tau + B u − h.
 
   // Work space.
   struct Composite {
