@@ -8,7 +8,7 @@
 namespace ferrers {
 namespace {
 
-constexpr int kMostRefusals = 12;  // halvings of a first step at which f does not exist
+constexpr int kMostRefusals = 8;  // halvings of a first step at which f does not exist
 constexpr int kFewestLevels = 4, kMostLevels = 12;
 constexpr int kPatience = 2;    // levels without improvement
 constexpr double kGood = 1e-9;  // relative error with which nobody looks further
@@ -97,7 +97,7 @@ DifferenceResult compute_extrapolated_difference(const CurveFunction& f, long si
       best = table.result();
       error = table.relative_error();
     }
-    if (table.is_good()) break;
+    if (table.is_good() || !table.result().valid) break;
   }
   return best;
 }

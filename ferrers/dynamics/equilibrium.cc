@@ -1,0 +1,234 @@
+#include "ferrers/dynamics/equilibrium.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "ferrers/dynamics/named_coordinates.h"
+#include "ferrers/kinematics/assembly.h"
+#include "ferrers/math/rank.h"
+
+namespace ferrers {
+namespace {
+
+constexpr double kLongestStep = 0.3;    // of the body that moves most: rad or characteristic lengths
+constexpr double kBlindStep = 0.05;     // the same where there is no stiffness matrix
+constexpr double kFloor = 1e-6;         // least stiffness to divide by, of the scale
+constexpr double kSettledPart = 1e-11;  // Newton steps this small, in characteristic lengths, are none
+constexpr double kRoundings = 64 * std::numeric_limits<double>::epsilon();
+constexpr double kOvershoot = 0.5;  // share of the first force that may act against the end of a step
+constexpr int kMostTrials = 14, kMostPolishing = 4;
+
+// The principal directions of the stiffness at one pose, and the forces along them.
+struct Directions {
+  VectorXd stiffness, force;
+  MatrixXd shape;  // of unit displacement of the bodies
+  double scale_N = 0;
+};
+
+class Search {
+ public:
+  Search(const DynamicsModel& model, const State& start, const EquilibriumOptions& options)
+      : model_(model), system_(*model.system), scaling_(make_scaling(system_)), options_(options) {
+    result_.state = start;
+    result_.state.v.setZero();
+    result_.state.t = options.t;
+  }
+
+  EquilibriumResult run() {
+    for (result_.steps = 0; result_.steps < options_.max_iterations; ++result_.steps) {
+      ReducedMotion motion = decide();
+      const ReducedDerivatives derivatives = compute_reduced_stiffness(motion, scaling_.length_m);
+      const Directions at = derivatives.valid ? principal(motion, derivatives) : blind(motion);
+      if (is_at_rest(at)) {
+        finish(std::move(motion), derivatives);
+        return std::move(result_);
+      }
+      if (!(derivatives.valid ? step(motion, at, derivatives) : false) && !blind_step(motion)) break;
+    }
+    fail();
+    return std::move(result_);
+  }
+
+ private:
+  ReducedMotion decide() {
+    Equations eq = make_equations(model_);
+    compute_kinematics(model_, result_.state, eq);
+    return ReducedMotion(model_, scaling_, result_.state, select_independent(system_, scaling_, eq.constraints));
+  }
+
+  Directions principal(const ReducedMotion& motion, const ReducedDerivatives& derivatives) const {
+    Directions at;
+    if (motion.w() == 0) return at;
+    const MatrixXd X = motion.body_displacements(), K = -derivatives.force_s.value;
+    const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> solver(0.5 * (K + K.transpose()), X.transpose() * X);
+    at.stiffness = solver.eigenvalues();
+    at.shape = solver.eigenvectors();
+    at.force = at.shape.transpose() * motion.force();
+    const double force = motion.force_scale(motion.base());
+    at.scale_N = std::max(force, at.stiffness.cwiseAbs().maxCoeff() * scaling_.length_m);
+    return at;
+  }
+
+  // Where motions have no coordinates: forces only.
+  Directions blind(const ReducedMotion& motion) const {
+    Directions at;
+    const MatrixXd X = motion.body_displacements();
+    const Eigen::LLT<MatrixXd> metric(X.transpose() * X);
+    at.stiffness = VectorXd::Zero(motion.w());
+    at.shape = metric.matrixU().solve(MatrixXd::Identity(motion.w(), motion.w()));
+    at.force = at.shape.transpose() * motion.force();
+    at.scale_N = motion.force_scale(motion.base());
+    return at;
+  }
+
+  bool is_at_rest(const Directions& at) {
+    result_.residual_N = at.force.size() > 0 ? at.force.norm() : 0;
+    for (long k = 0; k < at.force.size(); ++k) {
+      const double settled = kSettledPart * scaling_.length_m * std::abs(at.stiffness[k]);
+      if (!(std::abs(at.force[k]) <= settled + kRoundings * at.scale_N)) return false;
+    }
+    return true;
+  }
+
+  bool step(ReducedMotion& motion, const Directions& at, const ReducedDerivatives& derivatives) {
+    const double floor = kFloor * at.scale_N / scaling_.length_m;
+    const VectorXd along = at.force.cwiseQuotient(at.stiffness.cwiseAbs().cwiseMax(floor));
+    VectorXd ds = at.shape * along;
+    const bool resisted = (at.stiffness.array() > floor).all();
+    if (resisted) ds = derivatives.force_s.value.partialPivLu().solve(VectorXd(-motion.force()));  // Newton's
+    const double reach = largest_displacement(motion.body_displacements() * ds) / scaling_.length_m;
+    double share = reach > kLongestStep ? kLongestStep / reach : 1;
+    const double downhill = motion.force().dot(ds);
+    const VectorXd none = VectorXd::Zero(motion.w());
+    for (int trial = 0; trial < kMostTrials; ++trial) {
+      State next;
+      if (!motion.move(share * ds, none, next)) {
+        share /= 4;
+        continue;
+      }
+      motion.evaluate(next);
+      const double left = motion.force().dot(ds);
+      if (left >= -kOvershoot * downhill) {
+        result_.state = next;
+        return true;
+      }
+      share *= std::clamp(downhill / (downhill - left), 0.1, 0.7);
+    }
+    return false;
+  }
+
+  // A short way where the forces point, closed with all rows.
+  bool blind_step(ReducedMotion& motion) {
+    if (++blind_steps_ > kMostTrials) return false;
+    motion.evaluate(motion.base());
+    const MatrixXd X = motion.body_displacements();
+    const VectorXd ds = (X.transpose() * X).llt().solve(motion.force());
+    const double reach = largest_displacement(X * ds) / scaling_.length_m;
+    if (!(reach > 0)) return false;
+    State next = motion.base();
+    displace(system_, kBlindStep / reach * (motion.N() * ds), next.q);
+    int iterations = 0;
+    if (!(close_loops(system_, scaling_, {}, 100, next, iterations) <= closed_tolerance(scaling_))) return false;
+    result_.state = next;
+    return true;
+  }
+
+  // Newton's steps with the whole stiffness matrix, as long as they help.
+  void polish(ReducedMotion& motion, const ReducedDerivatives& derivatives) {
+    if (!derivatives.valid || motion.w() == 0) return;
+    const VectorXd none = VectorXd::Zero(motion.w());
+    VectorXd ds = none;
+    double before = motion.force().norm();
+    for (int i = 0; i < kMostPolishing && before > 0; ++i) {
+      const VectorXd trial = ds + solve_least_norm(-derivatives.force_s.value, motion.force()).x;
+      State next;
+      if (!motion.move(trial, none, next)) break;
+      motion.evaluate(next);
+      const double now = motion.force().norm();
+      if (!(now < before)) break;
+      ds = trial;
+      before = now;
+      result_.state = next;
+    }
+  }
+
+  void finish(ReducedMotion motion, const ReducedDerivatives& derivatives) {
+    polish(motion, derivatives);
+    motion.evaluate(result_.state);
+    result_.selection = motion.selection();
+    result_.u = motion.equations().u;
+    result_.lambda = motion.rest_multipliers(motion.equations().force);
+    result_.energy = compute_energy(model_, result_.state, motion.equations().pos, motion.equations().vel);
+    result_.force_scale_N = motion.force_scale(result_.state);
+    if (derivatives.valid) {
+      result_.stiffness = {-derivatives.force_s.value, derivatives.force_s.error};
+      result_.stability = judge_stability(result_.stiffness, motion.body_displacements(), motion.M(),
+                                          result_.force_scale_N, scaling_.length_m);
+    }
+    result_.notices = passed_limits(system_, result_.state);
+  }
+
+  void fail() {
+    ReducedMotion motion = decide();
+    result_.status = EquilibriumStatus::kNotFound;
+    result_.selection = motion.selection();
+    result_.u = motion.equations().u;
+    result_.lambda = VectorXd::Zero(system_.m);
+    result_.energy = compute_energy(model_, result_.state, motion.equations().pos, motion.equations().vel);
+    result_.force_scale_N = motion.force_scale(result_.state);
+    VectorXd z;
+    result_.message = "no equilibrium was found in " + std::to_string(result_.steps) + " steps";
+    if (motion.accelerations(z)) {
+      result_.message +=
+          "; still accelerating: " + name_motion(system_, scaling_, result_.state, motion.N() * z, "/s²");
+    }
+  }
+
+  const DynamicsModel& model_;
+  const System& system_;
+  Scaling scaling_;
+  EquilibriumOptions options_;
+  EquilibriumResult result_;
+  int blind_steps_ = 0;
+};
+
+}  // namespace
+
+EquilibriumResult solve_equilibrium(const DynamicsModel& model, const State& start, const EquilibriumOptions& options) {
+  if (model.unsupported.empty()) return Search(model, start, options).run();
+  EquilibriumResult result;
+  result.status = EquilibriumStatus::kUnsupported;
+  result.state = start;
+  result.message = "not supported: " + model.unsupported.front();
+  return result;
+}
+
+std::vector<JointReaction> compute_rest_reactions(const std::shared_ptr<const DynamicsModel>& model, const State& state,
+                                                  const Selection& selection, const VectorXd& lambda, const VectorXd& u,
+                                                  ReactionAxes axes, const DistributionOptions& distribution,
+                                                  DistributionOutcome* outcome) {
+  Equations eq = make_equations(*model);
+  compute_equations(*model, state, eq);
+  const VectorXd rest = VectorXd::Zero(model->system->nv);
+  return ReactionSolver(model, distribution).solve(state, eq, selection, rest, lambda, u, axes, outcome);
+}
+
+std::vector<std::string> passed_limits(const System& system, const State& state) {
+  std::vector<std::string> notices;
+  const std::vector<NamedCoordinate> positions = measure_positions(system, state);
+  for (const Joint& joint : system.model->joints()) {
+    if (!joint.limits) continue;
+    for (const NamedCoordinate& one : positions) {
+      if (one.name.rfind(joint.name + ".", 0) != 0) continue;
+      if (one.value < (*joint.limits)[0] || one.value > (*joint.limits)[1]) {
+        notices.push_back("joint '" + joint.name + "' is outside of its limits there");
+      }
+    }
+  }
+  return notices;
+}
+
+}  // namespace ferrers
