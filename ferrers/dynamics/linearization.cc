@@ -6,6 +6,8 @@
 namespace ferrers {
 namespace {
 
+constexpr double kUnseen = 1e-9;  // characteristic lengths off the equilibrium
+constexpr double kRounding = 1e-14;
 constexpr double kRest = 1e-9;   // of all forces: what may be left of them in equilibrium
 constexpr double kEqual = 1e-6;  // relative difference of parts of a mode that count as equal
 
@@ -36,6 +38,17 @@ std::vector<NamedCoordinate> name_coordinates(const System& system, const Select
   std::vector<NamedCoordinate> chosen;
   for (const int i : selection.independent) chosen.push_back(all[static_cast<std::size_t>(i)]);
   return chosen;
+}
+
+// Along every principal direction: what force is left is rounding, or the reach of one too small to be seen.
+bool is_balanced(const ReducedMotion& motion, const StabilityVerdict& verdict, double force_N, double length_m) {
+  const VectorXd left = verdict.directions.transpose() * motion.force();
+  const double all = motion.w() > 0 ? verdict.stiffness.cwiseAbs().maxCoeff() * length_m : 0;
+  for (long k = 0; k < left.size(); ++k) {
+    const double unseen = kUnseen * std::abs(verdict.stiffness[k]) * length_m;
+    if (!(std::abs(left[k]) <= kRest * force_N + unseen + kRounding * all)) return false;
+  }
+  return true;
 }
 
 double estimate_error(const MatrixXd& M, const ReducedDerivatives& d, const MatrixXd& A) {
@@ -131,13 +144,11 @@ Linearization linearize(const DynamicsModel& model, const State& state) {
   }
   add_matrices(system, motion, d, z, out);
   const double force = motion.force_scale(state);
-  const MatrixXd X = motion.body_displacements();
-  const Eigen::LLT<MatrixXd> metric(X.transpose() * X);
+  const StabilityVerdict verdict = judge_stability(out.K, motion.body_displacements(), out.M, force, scaling.length_m);
   out.at_rest = state.v.isZero(0);
-  out.is_equilibrium =
-      out.at_rest && (motion.w() == 0 || metric.matrixL().solve(motion.force()).norm() <= kRest * force);
+  out.is_equilibrium = out.at_rest && is_balanced(motion, verdict, force, scaling.length_m);
   if (out.is_equilibrium) {
-    out.stability = judge_stability(out.K, X, out.M, force, scaling.length_m);
+    out.stability = verdict;
     out.modal = analyze_modes_at_rest(out.M, out.K, out.C, out.stability.neutral, out.stability.unstable);
   } else {
     out.modal = analyze_modes(out.M, out.A);

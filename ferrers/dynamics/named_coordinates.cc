@@ -1,8 +1,9 @@
 #include "ferrers/dynamics/named_coordinates.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace ferrers {
 namespace {
@@ -71,10 +72,8 @@ std::string name_motion(const System& system, const Scaling& scaling, const Stat
   std::string text;
   for (std::size_t i = 0; i < std::min(all.size(), kMostNames); ++i) {
     if (!(part(all[i]) > kLeastShare * part(all[0]))) break;
-    char value[40];
-    std::snprintf(value, sizeof value, "%.6g", all[i].value);
-    text += (i > 0 ? ", " : "") + all[i].name + " (" + value + " " + std::string(to_string(all[i].unit)) +
-            std::string(unit_suffix) + ")";
+    text += fmt::format("{}{} ({:.6g} {}{})", i > 0 ? ", " : "", all[i].name, all[i].value, to_string(all[i].unit),
+                        unit_suffix);
   }
   return text;
 }
