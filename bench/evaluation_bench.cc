@@ -1,86 +1,95 @@
-// What one evaluation and one decision cost, on mechanisms of examples/. Evaluation must grow with the size of the
-// mechanism, not with its square: compare the N-four-bar with 2 and with 40 cells.
+// What one evaluation of forward dynamics with multipliers costs, formulation by formulation, as mechanisms grow: the
+// equations must grow with the size of the mechanism, not with its square, and so must the sparse form. The figures in
+// dynamics/forward.h are these.
 
 #include <benchmark/benchmark.h>
 
-#include <memory>
-#include <stdexcept>
 #include <string>
-#include <utility>
 
-#include "ferrers/dynamics/dynamics_model.h"
-#include "ferrers/dynamics/equations.h"
-#include "ferrers/dynamics/forward.h"
-#include "ferrers/io/model_reader.h"
-#include "ferrers/kinematics/assembly.h"
-#include "ferrers/redundancy/analysis.h"
+#include "ferrers/redundancy/selection.h"
+#include "ferrers/testing/engine_probe.h"
+#include "ferrers/testing/zoo.h"
 
 namespace {
 
-using namespace ferrers;  // NOLINT(google-build-using-namespace): a program, not a header
+using namespace ferrers;           // NOLINT(google-build-using-namespace): a program, not a header
+using namespace ferrers::witness;  // NOLINT(google-build-using-namespace)
 
-const char* const kModels[] = {"bricard-a04/model.yaml", "four-bar/model.yaml", "n-four-bar-a02/model.yaml",
-                               "n-four-bar-a02/model-n40.yaml"};
+constexpr int kLargestDense = 100;  // coordinates up to which a selection is pivoted as a whole
 
-struct Assembled {
-  std::shared_ptr<const System> system;
+struct Subject {
+  EngineProbe engine;
   State state;
+
+  explicit Subject(const ModelSpec& spec) : engine(spec) {
+    if (engine.system->nv <= kLargestDense) {
+      state = engine.wandered(1, 0.1);
+      return;
+    }
+    state = engine.start();
+    const ConstraintBlocks blocks = compute_constraint_blocks(*engine.system, state);
+    engine.selection =
+        select_rows_and_coordinates(*engine.system, decide_clusters(*engine.system, engine.scaling, blocks));
+    compute_equations(*engine.dynamics, state, engine.eq);
+  }
 };
 
-Assembled load(const std::string& name) {
-  ModelReadResult read = read_model_file(std::string(FERRERS_SOURCE_DIR) + "/examples/" + name);
-  if (!read.model) throw std::runtime_error(name + ": not a valid model");
-  Assembled out{.system = make_system(std::move(*read.model)), .state = {}};
-  AssemblyResult assembly = assemble(*out.system);
-  if (assembly.status != AssemblyStatus::kAssembled) throw std::runtime_error(name + ": " + assembly.message);
-  out.state = std::move(assembly.state);
-  return out;
-}
-
-void measure_equations(benchmark::State& run, const std::string& name) {
-  const Assembled mechanism = load(name);
-  const auto model = make_dynamics_model(mechanism.system);
-  Equations equations = make_equations(*model);
+void measure_equations(benchmark::State& run, const ModelSpec& spec) {
+  Subject subject(spec);
   for (auto _ : run) {
-    compute_equations(*model, mechanism.state, equations);
-    benchmark::DoNotOptimize(equations.force.data());
+    compute_equations(*subject.engine.dynamics, subject.state, subject.engine.eq);
+    benchmark::DoNotOptimize(subject.engine.eq.force.data());
   }
+  run.counters["coordinates"] = subject.engine.system->nv;
+  run.counters["rows"] = subject.engine.system->m;
 }
 
-void measure_forward(benchmark::State& run, const std::string& name, Formulation formulation) {
-  const Assembled mechanism = load(name);
-  const auto model = make_dynamics_model(mechanism.system);
-  Equations equations = make_equations(*model);
-  compute_equations(*model, mechanism.state, equations);
-  const Selection selection =
-      select_independent(*mechanism.system, make_scaling(*mechanism.system), equations.constraints);
-  const auto solver = make_forward_solver(formulation, *mechanism.system, selection);
-  ForwardResult result = make_forward_result(*mechanism.system);
+// `whole`: the equations too.
+void measure_solution(benchmark::State& run, const ModelSpec& spec, Formulation formulation, bool whole) {
+  Subject subject(spec);
+  EngineProbe& engine = subject.engine;
+  const auto solver = make_forward_solver(formulation, *engine.system, engine.selection);
+  ForwardResult result = make_forward_result(engine.eq);
   for (auto _ : run) {
-    solver->solve(equations, result);
+    if (whole) compute_equations(*engine.dynamics, subject.state, engine.eq);
+    solver->solve(engine.eq, result);
+    benchmark::DoNotOptimize(result.lambda.data());
+    benchmark::DoNotOptimize(result.vdot.data());
+  }
+  if (result.status != ForwardStatus::kSolved) run.SkipWithError("not solved");
+}
+
+void measure_resolution(benchmark::State& run, const ModelSpec& spec, Formulation formulation) {
+  Subject subject(spec);
+  EngineProbe& engine = subject.engine;
+  const auto solver = make_forward_solver(formulation, *engine.system, engine.selection);
+  ForwardResult result = make_forward_result(engine.eq);
+  solver->solve(engine.eq, result);
+  for (auto _ : run) {
+    solver->resolve(engine.eq.force, engine.eq.constraints.gamma, result);
     benchmark::DoNotOptimize(result.vdot.data());
   }
 }
 
-void measure_decision(benchmark::State& run, const std::string& name) {
-  const Assembled mechanism = load(name);
-  for (auto _ : run) {
-    const RedundancyReport report = analyze_redundancy(*mechanism.system, mechanism.state);
-    benchmark::DoNotOptimize(report.rank);
+void add(const std::string& name, const ModelSpec& spec) {
+  const auto in_microseconds = [](auto* registered) { registered->Unit(benchmark::kMicrosecond); };
+  in_microseconds(benchmark::RegisterBenchmark(("equations/" + name).c_str(), measure_equations, spec));
+  for (const Formulation f : kFormulations) {
+    const std::string title = std::string(to_string(f)) + "/" + name;
+    in_microseconds(benchmark::RegisterBenchmark(("solve/" + title).c_str(), measure_solution, spec, f, false));
+    in_microseconds(benchmark::RegisterBenchmark(("resolve/" + title).c_str(), measure_resolution, spec, f));
+    in_microseconds(benchmark::RegisterBenchmark(("whole/" + title).c_str(), measure_solution, spec, f, true));
   }
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  for (const std::string name : kModels) {
-    benchmark::RegisterBenchmark(("equations/" + name).c_str(), measure_equations, name);
-    for (const Formulation formulation : {Formulation::kNullSpace, Formulation::kElimination}) {
-      const std::string title = "forward/" + std::string(to_string(formulation)) + "/" + name;
-      benchmark::RegisterBenchmark(title.c_str(), measure_forward, name, formulation);
-    }
-    benchmark::RegisterBenchmark(("decision/" + name).c_str(), measure_decision, name);
-  }
+  add("bricard_a04", make_bricard(BricardRods::kBricks));
+  add("four_bar", make_four_bar(FourBarJoints::kRevolute));
+  add("three_cranks", make_parallel_cranks());
+  add("andrews_a03", make_andrews());
+  for (const int n : {1, 2, 10, 40, 100, 300}) add("n_four_bar_a02/" + std::to_string(n), make_n_four_bar(n, 0.3));
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
   benchmark::RunSpecifiedBenchmarks();

@@ -59,7 +59,7 @@ class AllocationTest : public ::testing::TestWithParam<ModelSpec> {};
 
 TEST_P(AllocationTest, EvaluationWithMultipliersAllocatesNothing) {
   if (!AllocationGuard::available()) GTEST_SKIP() << "allocations are not counted in this build";
-  for (const Formulation formulation : {Formulation::kNullSpace, Formulation::kElimination}) {
+  for (const Formulation formulation : kFormulations) {
     EngineProbe engine(GetParam());
     State state = engine.wandered(1, 0.1);
     ForwardResult result = make_forward_result(*engine.system);
@@ -71,8 +71,11 @@ TEST_P(AllocationTest, EvaluationWithMultipliersAllocatesNothing) {
     const long in_equations = guard.count();
     solver->solve(engine.eq, result);
     const long in_all = guard.count();
+    solver->resolve(engine.eq.force, engine.eq.constraints.gamma, result);
+    const long with_resolution = guard.count();
     EXPECT_EQ(in_equations, 0) << GetParam().name;
     EXPECT_EQ(in_all - in_equations, 0) << GetParam().name << ", " << to_string(formulation);
+    EXPECT_EQ(with_resolution - in_all, 0) << GetParam().name << ", " << to_string(formulation);
     EXPECT_EQ(result.status, ForwardStatus::kSolved);
   }
 }

@@ -1,10 +1,34 @@
 #include "ferrers/dynamics/equations.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "ferrers/core/checks.h"
 
 namespace ferrers {
+
+namespace {
+
+// Calls `visit` with every coordinate that a drive's rate can depend on.
+template <typename Visit>
+void for_each_column(const System& system, const DriveComponent& drive, Visit visit) {
+  const bool is_coordinate = drive.kind == Drive::Kind::kCoordinate;
+  if (is_coordinate && drive.access.in_tree) return visit(drive.access.v);
+  const FramePair& frames = is_coordinate ? system.cuts[drive.access.cut].frames : drive.frames;
+  for (const FramePair::PathEntry& entry : frames.path) {
+    const Node& node = system.nodes[entry.node];
+    for (int k = node.v; k < node.v + node.nv; ++k) visit(k);
+  }
+}
+
+// ∂(rate)/∂v of a drive; entries that are always zero are not written.
+void fill_drive_row(const DynamicsModel& model, const DriveComponent& drive, const PositionKinematics& pos,
+                    const Jet& jet, Eigen::Ref<Eigen::RowVectorXd> row) {
+  for_each_column(*model.system, drive, [&](int k) { row[k] = 0; });
+  add_drive_row(model, drive, pos, jet, row);
+}
+
+}  // namespace
 
 Equations make_equations(const DynamicsModel& model, std::vector<int> driven) {
   const System& system = *model.system;
@@ -13,12 +37,20 @@ Equations make_equations(const DynamicsModel& model, std::vector<int> driven) {
   eq.pos = make_position_kinematics(system);
   eq.vel = make_velocity_kinematics(system);
   eq.constraints = make_constraint_kinematics(system, static_cast<int>(driven.size()));
+  for (const int i : driven) {
+    std::vector<int> columns;
+    for_each_column(system, model.drives[i], [&](int k) { columns.push_back(k); });
+    std::sort(columns.begin(), columns.end());
+    eq.driven_columns.push_back(std::move(columns));
+  }
   eq.driven = std::move(driven);
   eq.M = MatrixXd::Zero(system.nv, system.nv);
   eq.h = eq.tau = eq.force = VectorXd::Zero(system.nv);
   eq.B_transposed = RowMatrixXd::Zero(model.nu(), system.nv);
   eq.u = VectorXd::Zero(model.nu());
   eq.friction = VectorXd::Zero(model.friction_slips);
+  eq.idle_efforts = MatrixXd::Zero(model.nu(), 0);
+  eq.idle_lambda = MatrixXd::Zero(system.m, 0);
   eq.composites.resize(system.nodes.size());
   eq.applied.assign(system.nodes.size(), Wrenches::Zero(6, 1));
   return eq;
@@ -86,7 +118,6 @@ void fill_mass_column(const System& system, const PositionKinematics& pos, const
 void sweep(const DynamicsModel& model, Equations& eq, bool with_bias) {
   const System& system = *model.system;
   load_composites(model, eq.pos, with_bias, eq.vel, eq.composites);
-  eq.M.setZero();
   for (int i = static_cast<int>(system.nodes.size()) - 1; i > 0; --i) {
     const Node& node = system.nodes[i];
     const Equations::Composite& c = eq.composites[i];
@@ -113,8 +144,7 @@ void compute_driven_rows(const DynamicsModel& model, const State& state, const s
     out.rate[row] = jet.rate;
     out.nu[row] = law.rate;
     out.gamma[row] = law.acceleration - jet.bias;
-    out.G.row(row).setZero();
-    add_drive_row(model, drive, pos, jet, out.G.row(row));
+    fill_drive_row(model, drive, pos, jet, out.G.row(row));
     ++row;
   }
 }
@@ -151,10 +181,10 @@ void compute_applied_forces(const DynamicsModel& model, const State& state, Equa
       parent.tail<3>() += w.tail<3>();
     }
   }
-  out.B_transposed.setZero();
   for (int i = 0; i < model.nu(); ++i) {
     const DriveComponent& drive = model.drives[i];
-    add_drive_row(model, drive, out.pos, measure_drive(model, drive, state, out.pos, out.vel), out.B_transposed.row(i));
+    const Jet jet = measure_drive(model, drive, state, out.pos, out.vel);
+    fill_drive_row(model, drive, out.pos, jet, out.B_transposed.row(i));
     out.u[i] = drive.effort ? drive.effort->evaluate(system, state, out.pos, out.vel) : 0;
   }
   for (const int i : out.driven) out.u[i] = 0;
@@ -165,7 +195,10 @@ void compute_equations(const DynamicsModel& model, const State& state, Equations
   compute_mass_and_bias(model, out);
   compute_applied_forces(model, state, out);
   out.force = out.tau - out.h;
-  for (int i = 0; i < model.nu(); ++i) out.force += out.u[i] * out.B_transposed.row(i).transpose();
+  for (int i = 0; i < model.nu(); ++i) {
+    if (out.u[i] == 0) continue;
+    for_each_column(*model.system, model.drives[i], [&](int k) { out.force[k] += out.u[i] * out.B_transposed(i, k); });
+  }
 }
 
 Energy compute_energy(const DynamicsModel& model, const State& state, const PositionKinematics& pos,

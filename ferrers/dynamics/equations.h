@@ -22,6 +22,10 @@ struct Equations {
   /// Drive components whose motion is prescribed here: their laws are rows of `constraints` after the system's m,
   /// phi = c(q) − f(t), G v = f'(t), G vdot = gamma, and their efforts are those rows' multipliers, not in u.
   std::vector<int> driven;
+  std::vector<std::vector<int>> driven_columns;  ///< Per driven row: coordinates that it can touch, ascending.
+  /// Where more drives act than the motion needs (inverse dynamics): efforts, nu × k, that the constraints balance with
+  /// multipliers, m × k, so that the motion does not tell how much of them acts. Empty otherwise.
+  MatrixXd idle_efforts, idle_lambda;
   VectorXd friction;  ///< Dry friction along each slip (dynamics/friction.h), in tau; zero until it is solved for. N.
   VectorXd force;     ///< tau + B u − h.
 
@@ -38,8 +42,8 @@ struct Equations {
 
 Equations make_equations(const DynamicsModel& model, std::vector<int> driven = {});
 
-/// Fills everything for `state`; drives take their effort laws. Allocates nothing. Cost: O(bodies · depth + rows ·
-/// loop).
+/// Fills everything for `state`; drives take their effort laws. Allocates nothing. Only entries of M, G and B that can
+/// differ from zero are written: the others are zero since `make_equations`. Cost: O(bodies · depth + rows · loop).
 void compute_equations(const DynamicsModel& model, const State& state, Equations& out);
 
 /// The rows of prescribed drives, after the system's own.

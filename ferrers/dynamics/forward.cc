@@ -1,15 +1,50 @@
 #include "ferrers/dynamics/forward.h"
 
 namespace ferrers {
+namespace {
+
+constexpr int kSparseFrom = 12;  // coordinates from which the sparse form is the faster one, measured
+
+}  // namespace
 
 std::string_view to_string(Formulation formulation) {
-  return formulation == Formulation::kNullSpace ? "null-space" : "elimination";
+  switch (formulation) {
+    case Formulation::kNullSpace:
+      return "null-space";
+    case Formulation::kElimination:
+      return "elimination";
+    case Formulation::kSparse:
+      return "sparse";
+    case Formulation::kAugmentedLagrangian:
+      return "augmented-lagrangian";
+  }
+  return "";
+}
+
+std::optional<Formulation> find_formulation(std::string_view name) {
+  for (const Formulation formulation : kFormulations) {
+    if (to_string(formulation) == name) return formulation;
+  }
+  return std::nullopt;
+}
+
+Formulation recommended_formulation(const System& system) {
+  return system.nv < kSparseFrom ? Formulation::kNullSpace : Formulation::kSparse;
 }
 
 std::unique_ptr<ForwardSolver> make_forward_solver(Formulation formulation, const System& system,
                                                    const Selection& selection) {
-  return formulation == Formulation::kNullSpace ? make_null_space_solver(system, selection)
-                                                : make_elimination_solver(system, selection);
+  switch (formulation) {
+    case Formulation::kElimination:
+      return make_elimination_solver(system, selection);
+    case Formulation::kSparse:
+      return make_sparse_solver(system, selection);
+    case Formulation::kAugmentedLagrangian:
+      return make_augmented_solver(system, selection);
+    case Formulation::kNullSpace:
+      break;
+  }
+  return make_null_space_solver(system, selection);
 }
 
 ForwardResult make_forward_result(const System& system) {

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <memory>
+#include <optional>
 #include <string_view>
 
 #include "ferrers/dynamics/equations.h"
@@ -16,17 +18,26 @@
 namespace ferrers {
 
 enum class Formulation {
-  kNullSpace,  ///< v = N z from the selected coordinates; needs M regular on the admissible motions only. Cost: O(n² w
-               ///< + r³).
-  kElimination,  ///< The paper's: dependent rows left out, multipliers from G M⁻¹ Gᵀ. Needs M regular. Cost: O(n³ + n
-                 ///< r²).
+  kNullSpace,            ///< v = N z from the selected coordinates; needs M regular on the admissible motions only.
+                         ///< Cost: O(n² w + r³).
+  kElimination,          ///< The paper's: dependent rows left out, multipliers from G M⁻¹ Gᵀ. Needs M regular.
+                         ///< Cost: O(n³ + n r²).
+  kSparse,               ///< The null-space form without zeros (forward_kkt.h). Cost: linear in local loops.
+  kAugmentedLagrangian,  ///< All rows, whatever their rank, by a penalty and multipliers iterated
+                         ///< (forward_augmented.cc). Cost: O(n³ + m n²).
 };
+inline constexpr std::array<Formulation, 4> kFormulations = {Formulation::kNullSpace, Formulation::kElimination,
+                                                             Formulation::kSparse, Formulation::kAugmentedLagrangian};
 std::string_view to_string(Formulation formulation);
+std::optional<Formulation> find_formulation(std::string_view name);
+/// The fastest accurate one for a mechanism of this size, by measurement.
+Formulation recommended_formulation(const System& system);
 
 enum class ForwardStatus {
   kSolved,         ///< vdot and lambda are valid.
   kSingularMass,   ///< The mass matrix is singular on the admissible motions: outputs are not valid.
   kWornSelection,  ///< The chosen rows or coordinates no longer fit: select again. Outputs are not valid.
+  kNotConverged,   ///< An iteration ran out of its bound: outputs are its last values, not accurate.
 };
 
 struct ForwardResult {
@@ -53,6 +64,8 @@ std::unique_ptr<ForwardSolver> make_forward_solver(Formulation formulation, cons
                                                    const Selection& selection);
 std::unique_ptr<ForwardSolver> make_null_space_solver(const System& system, const Selection& selection);
 std::unique_ptr<ForwardSolver> make_elimination_solver(const System& system, const Selection& selection);
+std::unique_ptr<ForwardSolver> make_sparse_solver(const System& system, const Selection& selection);
+std::unique_ptr<ForwardSolver> make_augmented_solver(const System& system, const Selection& selection);
 
 /// `rows`: of the constraints; as many as the system has, and driven ones if there are any.
 ForwardResult make_forward_result(const System& system);

@@ -60,9 +60,9 @@ class NullSpaceSolver final : public ForwardSolver {
   }
 
   void resolve(const VectorXd& force, const VectorXd& gamma, ForwardResult& out) override {
-    const auto& place = lu_.permutationP().indices();
-    for (int i = 0; i < r_; ++i) lambda_[place[i]] = gamma[s_.rows[i]];
     if (r_ > 0) {
+      const auto& place = lu_.permutationP().indices();
+      for (int i = 0; i < r_; ++i) lambda_[place[i]] = gamma[s_.rows[i]];
       lu_.matrixLU().triangularView<Eigen::UnitLower>().solveInPlace(lambda_);
       lu_.matrixLU().triangularView<Eigen::Upper>().solveInPlace(lambda_);
     }

@@ -52,6 +52,27 @@ void add_jet_row(const System& system, const FramePair& pair, const PositionKine
 
 namespace {
 
+// The rows of a joint on the coordinates of its loop: each coordinate's twist is brought to p_M once for all rows.
+void fill_rows(const System& system, const CutJoint& cut, const PositionKinematics& pos, const Jet* rows,
+               RowMatrixXd& G) {
+  const int count = cut.type->row_count();
+  const long stride = G.cols();
+  const PositionKinematics::NodePosition& n2 = pos.nodes[cut.frames.node_2];
+  const Vector3d p_M = n2.p + n2.R * cut.frames.X_2M.p;
+  double* const first = G.data() + cut.row * stride;
+  for (const FramePair::PathEntry& entry : cut.frames.path) {
+    const Node& node = system.nodes[entry.node];
+    const Vector3d lever = p_M - pos.nodes[entry.node].p;
+    for (int k = node.v; k < node.v + node.nv; ++k) {
+      const Vector3d w = entry.sign * pos.S[k].head<3>();
+      const Vector3d v = entry.sign * pos.S[k].tail<3>() + w.cross(lever);
+      for (int i = 0; i < count; ++i) {
+        first[i * stride + k] = rows[i].W.head<3>().dot(w) + rows[i].W.tail<3>().dot(v);
+      }
+    }
+  }
+}
+
 void compute_cut_joint(const System& system, const CutJoint& cut, const State& state, const PositionKinematics& pos,
                        const VelocityKinematics& vel, ConstraintKinematics& out) {
   const RelativeMotion motion = compute_relative_motion(cut.frames, pos, vel);
@@ -62,7 +83,18 @@ void compute_cut_joint(const System& system, const CutJoint& cut, const State& s
     out.phi[row] = rows[i].value;
     out.rate[row] = rows[i].rate;
     out.gamma[row] = -rows[i].bias;
-    add_jet_row(system, cut.frames, pos, rows[i].W, 1, out.G.row(row));
+  }
+  fill_rows(system, cut, pos, rows, out.G);
+}
+
+void clear_coordinate_row(const System& system, const CoordinateAccess& access, Eigen::Ref<Eigen::RowVectorXd> row) {
+  if (access.in_tree) {
+    row[access.v] = 0;
+    return;
+  }
+  for (const FramePair::PathEntry& entry : system.cuts[access.cut].frames.path) {
+    const Node& node = system.nodes[entry.node];
+    row.segment(node.v, node.nv).setZero();
   }
 }
 
@@ -70,6 +102,7 @@ void compute_coupling(const System& system, const CouplingRow& coupling, const S
                       const PositionKinematics& pos, const VelocityKinematics& vel, ConstraintKinematics& out) {
   const int row = coupling.row;
   out.phi[row] = out.rate[row] = out.gamma[row] = 0;
+  for (const CoordinateAccess& access : coupling.coordinates) clear_coordinate_row(system, access, out.G.row(row));
   for (std::size_t i = 0; i < coupling.coordinates.size(); ++i) {
     const CoordinateAccess& access = coupling.coordinates[i];
     const double c = coupling.coefficients[i];
@@ -85,7 +118,6 @@ void compute_coupling(const System& system, const CouplingRow& coupling, const S
 
 void compute_constraints(const System& system, const State& state, const PositionKinematics& pos,
                          const VelocityKinematics& vel, ConstraintKinematics& out) {
-  out.G.setZero();
   for (const CutJoint& cut : system.cuts) compute_cut_joint(system, cut, state, pos, vel, out);
   for (const CouplingRow& coupling : system.couplings) compute_coupling(system, coupling, state, pos, vel, out);
 }

@@ -22,7 +22,8 @@ struct ConstraintKinematics {
 /// `driven`: room for so many rows after the system's own.
 ConstraintKinematics make_constraint_kinematics(const System& system, int driven = 0);
 
-/// Fills phi, G, gamma and rate. Allocates nothing. Cost: O(Σ rows × length of their loops), and m·nv to clear G.
+/// Fills phi, G, gamma and rate. Of G only the entries that can differ from zero are written: the others are zero since
+/// `make_constraint_kinematics`. Allocates nothing. Cost: O(Σ rows × length of their loops).
 void compute_constraints(const System& system, const State& state, const PositionKinematics& pos,
                          const VelocityKinematics& vel, ConstraintKinematics& out);
 

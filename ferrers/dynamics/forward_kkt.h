@@ -1,0 +1,108 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "ferrers/dynamics/forward.h"
+
+/// Problem: the equations of motion of a mechanism with local loops are sparse, and always in the same places.
+///
+///   [M  −Gᵀ] [vdot  ]   [force]
+///   [G   0 ] [lambda] = [gamma]          M: nv×nv, positive semidefinite; G: r×nv, independent rows
+///
+/// Given: where M and G can have entries. Wanted: vdot and lambda, at a cost that follows the entries.
+///
+/// Elimination in pairs (row i, coordinate d). With the pivot g = G_id, c = G_i/g and b = gamma_i/g, row i says
+/// v_d = b − c·v; put into the other rows and into the kinetic energy that leaves
+///   G_k ← G_k − G_kd c,   M ← M − c uᵀ − u cᵀ with u = M_d − ½ M_dd c,   both without d,
+/// and after r pairs what is left is Nᵀ M N on the coordinates without a partner: the null-space form, but N is never
+/// formed. Only those are eliminated by their mass, so M need be regular on the admissible motions only, and G M⁻¹ Gᵀ,
+/// which squares the condition of G, does not appear.
+///
+/// The order of the pairs is chosen once, from the structure and from values (Markowitz' count [markowitz1957] among
+/// pivots within a factor of ten of the largest of their row, so that |c| ≤ 10), and compiled into a list of runs:
+/// short loops over consecutive numbers, without a search or a decision. Cost of one factorization: `operations()`,
+/// linear in the number of loops where loops are local; O(n³) for a chain of n bodies or a tangle.
+namespace ferrers {
+
+/// Where entries can be. Indices of coordinates ascend; `rows` are those of the chosen rows of G, in their order.
+struct KktStructure {
+  std::vector<std::vector<int>> rows;  ///< Per chosen row: coordinates it can touch.
+  std::vector<std::vector<int>> mass;  ///< Per coordinate: other coordinates that M couples it with.
+};
+
+/// Of a system's own rows; those of prescribed motions (from system.m on) are left empty for the caller to fill.
+KktStructure make_kkt_structure(const System& system, const std::vector<int>& rows);
+
+/// The factors, and the program that makes them.
+class SparseKkt {
+ public:
+  SparseKkt() = default;
+  /// Chooses the order from the values of G now; `rows`: the chosen rows of G. `column_scale` (nv) makes the
+  /// columns comparable; each row is compared with its own largest entry. Allocates.
+  SparseKkt(const KktStructure& structure, const std::vector<int>& rows, const VectorXd& column_scale,
+            const RowMatrixXd& G);
+
+  /// kSingularMass where Nᵀ M N is not positive definite, kWornSelection where some row has no coordinate to
+  /// determine. Reads entries of the structure only. Allocates nothing.
+  ForwardStatus factor(const MatrixXd& M, const RowMatrixXd& G);
+  /// With the last factors. `gamma`, `lambda`: of all rows of G; only the chosen ones are read and written.
+  void solve(const VectorXd& force, const VectorXd& gamma, VectorXd& vdot, VectorXd& lambda);
+
+  /// Smallest pivot |g| of the last factorization, each over its row's largest entry when the order was chosen, in
+  /// scaled columns: a pure number. 1 without rows.
+  double smallest_pivot() const { return smallest_pivot_; }
+  /// Multiplications of one factorization, and numbers stored.
+  long operations() const { return operations_; }
+  long stored() const { return static_cast<long>(x_.size()); }
+
+ private:
+  friend class KktCompiler;
+  /// x[target + i] −= x[p] x[q + i] + x[p'] x[q' + i] for i < length; the second product for masses of pairs only.
+  struct Run {
+    int target, p, q, length;
+  };
+  struct Range {
+    int begin = 0, end = 0;
+  };
+  /// Row i and its coordinate d. Consecutive numbers: g, c (count of them); M_dd, u (count).
+  struct Pair {
+    int row = 0, position = 0;  ///< Of the row of G; of the coordinate in the order.
+    int pivot = 0, diagonal = 0, count = 0;
+    int columns = 0;          ///< Positions of c and u: columns_[columns], …
+    Range multipliers;        ///< Other rows that hold d.
+    Range row_runs;           ///< Offsets of q and p: from x.
+    Range full_runs, c_runs;  ///< Rows of M with c and u, and with u only; p and q count from c and u.
+    double weight = 1;
+  };
+  struct Multiplier {
+    int at, row;  ///< The entry G_kd in x, and which pair's row k is.
+  };
+  struct Single {
+    int position = 0, diagonal = 0, count = 0, columns = 0;
+    Range runs;
+  };
+  struct Move {
+    int to;
+    std::ptrdiff_t from;
+  };
+
+  void load(const MatrixXd& M, const RowMatrixXd& G);
+  void eliminate(const Pair& pair);
+  bool eliminate(const Single& single);
+
+  std::vector<double> x_;  // all entries, in the order of elimination
+  std::vector<Move> mass_moves_, row_moves_;
+  std::vector<Pair> pairs_;
+  std::vector<Single> singles_;
+  std::vector<Multiplier> multipliers_;
+  std::vector<Run> runs_;
+  std::vector<int> columns_;            // positions of coordinates in the order
+  std::vector<int> order_;              // coordinates by position
+  std::vector<double> f_, b_, lambda_;  // by position; by pair
+  bool complete_ = false;
+  double smallest_pivot_ = 0;
+  long operations_ = 0;
+};
+
+}  // namespace ferrers
