@@ -409,5 +409,66 @@ TEST(RandomMechanismsTest, ForwardDynamicsUndoesInverseDynamics) {
   });
 }
 
+/// Motion laws with the position, rate and acceleration that a forward evaluation gave, at t = 0.
+ModelSpec with_found_motion(ModelSpec spec, const EngineProbe& forced, const State& state,
+                            const ForwardResult& forward) {
+  VelocityKinematics acc = make_velocity_kinematics(*forced.system);
+  compute_accelerations(*forced.system, forced.eq.pos, forced.eq.vel, forward.vdot, acc);
+  for (std::size_t i = 0; i < spec.drives.size(); ++i) {
+    const DriveComponent& drive = forced.dynamics->drives[i];
+    const Jet jet = measure_drive(*forced.dynamics, drive, state, forced.eq.pos, forced.eq.vel);
+    Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(forced.system->nv);
+    add_drive_row(*forced.dynamics, drive, forced.eq.pos, jet, row);
+    const double acceleration = jet.bias + row.dot(forward.vdot);
+    spec.drives[i].effort.clear();
+    spec.drives[i].motion = {
+        law(exact(jet.value) + " + " + exact(jet.rate) + "*t + " + exact(acceleration / 2) + "*t^2")};
+  }
+  return spec;
+}
+
+TEST(RandomMechanismsTest, InverseDynamicsFindsTheEffortsThatDroveTheMotion) {
+  std::map<std::pair<JointType, bool>, int> driven_coordinates;  // by type, and whether the joint is cut
+  int distances = 0;
+  for_all([&](const Subject& here) {
+    EngineProbe plain(here.mechanism.spec);
+    const State found = tree_state(*plain.system, here.state);
+    plain.evaluate(found);
+    ModelSpec spec = here.mechanism.spec;
+    spec.drives = full_drives(plain, found, here.mechanism.seed);
+    RandomSource random(here.mechanism.seed + 5);
+    const double size = largest_load(plain.reactions(found, plain.forward(found)));
+    for (DriveSpec& drive : spec.drives) drive.effort = {law(exact(size * random.between(-1, 1)))};
+    EngineProbe forced(spec);
+    const State state = tree_state(*forced.system, here.state);  // drives bear on the choice of the tree
+    const ForwardResult forward = forced.forward(state);
+    ASSERT_EQ(forward.status, ForwardStatus::kSolved);
+    for (const DriveComponent& drive : forced.dynamics->drives) {
+      if (drive.kind != Drive::Kind::kCoordinate) {
+        ++distances;
+        continue;
+      }
+      const JointType type = forced.model().joint(drive.coordinate.joint).type;
+      ++driven_coordinates[{type, !drive.access.in_tree}];
+    }
+    EngineProbe driven(with_found_motion(spec, forced, state, forward));
+    PrescribedMotion motion(driven.dynamics, tree_state(*driven.system, here.state));
+    const PrescribedResult inverse = motion.solve(0);
+    ASSERT_EQ(inverse.status, PrescribedStatus::kSolved) << inverse.message;
+    EXPECT_LT((inverse.u - forced.eq.u).cwiseAbs().maxCoeff(), kAgreement * size);
+    for (const bool shared : inverse.effort_is_shared) EXPECT_FALSE(shared);
+  });
+  for (const auto& [place, count] : driven_coordinates) {
+    std::printf("  %s %s: %d drives\n", std::string(joint_type_info(place.first).name).c_str(),
+                place.second ? "(cut)" : "(tree)", count);
+  }
+  std::printf("  distances: %d drives\n", distances);
+  for (const JointType type : {JointType::kRevolute, JointType::kPrismatic, JointType::kScrew, JointType::kCylindrical,
+                               JointType::kUniversal, JointType::kPlanar}) {
+    EXPECT_GT((driven_coordinates[{type, false}]), 0) << joint_type_info(type).name;
+  }
+  EXPECT_GT(distances, 0);
+}
+
 }  // namespace
 }  // namespace ferrers::witness

@@ -33,8 +33,12 @@ std::string drives_text(const RunDocument& document, const Style& style) {
   if (document.drives.empty() || !document.with_reactions) return "";
   std::vector<std::vector<std::string>> rows = {{"drive", "largest effort"}};
   for (const DrivePeak& one : document.drives) {
-    rows.push_back({one.drive, one.effort ? fmt::format("{} {} at {} s", number(*one.effort), one.unit, number(one.t))
-                                          : "not known"});
+    const auto i = static_cast<std::size_t>(&one - document.drives.data());
+    const std::vector<bool>& shared = document.summary->effort_is_shared;
+    const char* mark = i < shared.size() && shared[i] ? " (distributed)" : "";
+    rows.push_back({one.drive, one.effort
+                                   ? fmt::format("{} {} at {} s{}", number(*one.effort), one.unit, number(one.t), mark)
+                                   : "not known"});
   }
   return "\n" + table(rows, "  ", style);
 }

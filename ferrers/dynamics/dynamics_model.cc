@@ -128,9 +128,13 @@ class Binder {
       c.drive = id;
       c.component = i;
       c.kind = drive.kind;
+      c.weight = drive.weight;
       if (drive.kind == Drive::Kind::kCoordinate) {
         c.coordinate = drive.coordinate;
         c.access = system().access(drive.coordinate);
+        const Joint& joint = model().joint(drive.coordinate.joint);
+        const CoordinateKind kind = joint_type_info(joint.type).coordinates[drive.coordinate.index].kind;
+        c.rotary = kind == CoordinateKind::kAngle || kind == CoordinateKind::kRotationRate;
       } else {
         const BodyId first = drive.kind == Drive::Kind::kPoint ? kGround : drive.first;
         const Vector3d p_1 = drive.kind == Drive::Kind::kPoint ? Vector3d(0, 0, 0) : drive.point_1_m;

@@ -67,6 +67,10 @@ struct DriveComponent {
   FramePair frames;         ///< kDistance, kPoint: origins of F and M are the points.
   std::optional<Law> motion;
   std::optional<BoundLaw> effort;
+  double weight = 1;    ///< Of its effort where drives share a load.
+  bool rotary = false;  ///< Its effort is a torque, N·m.
+  /// Whether inverse dynamics finds its effort: a motion is prescribed, or it has no law at all and helps.
+  bool effort_is_sought() const { return motion.has_value() || !effort.has_value(); }
 };
 
 struct DynamicsModel {

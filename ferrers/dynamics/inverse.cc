@@ -1,10 +1,37 @@
 #include "ferrers/dynamics/inverse.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/LU>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <optional>
+
+#include "ferrers/dynamics/least_effort.h"
 
 namespace ferrers {
+namespace {
+
+// How well laws that are given twice must agree, positions relative to the model's size, rates and accelerations
+// relative to the motion: tables and measured laws agree to their digits only, above all in their derivatives.
+constexpr double kAgreement[3] = {1e-8, 1e-6, 1e-4};
+
+std::string joined(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : " ") + name;
+  return text;
+}
+
+std::string quoted(const std::vector<std::string>& names) {
+  std::string text;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    text += (i == 0 ? "'" : i + 1 == names.size() ? " and '" : ", '") + names[i] + "'";
+  }
+  return text;
+}
+
+}  // namespace
 
 struct PrescribedMotion::Impl {
   std::shared_ptr<const DynamicsModel> model;
@@ -12,42 +39,55 @@ struct PrescribedMotion::Impl {
   Scaling scaling;
   Equations eq;
   Selection selection;
+  FrictionSolver friction;
   std::vector<int> prescribed;  // drive components with a motion law
+  std::vector<int> acting;      // drive components whose effort is sought: those, then helpers
+  std::vector<int> chosen;      // of `prescribed`: the laws followed; the others are watched
   PrescribedResult current;     // last instant solved
   bool started = false;
   bool rates_known = false;
   bool singular_here = false;  // at the last instant
   Selection reported;          // there: what is independent at that pose
 
-  // Rows [G_r; D] of the square system, residuals and biases of D.
+  // Rows [G_r; D_chosen] of the square system; D, values and biases of all laws.
   RowMatrixXd D;
   VectorXd drive_scale, drive_value, drive_bias;
   MatrixXd A;
   Eigen::PartialPivLU<MatrixXd> lu;
 
-  Impl(std::shared_ptr<const DynamicsModel> m, State start)
-      : model(std::move(m)), system(*model->system), scaling(make_scaling(system)), eq(make_equations(*model)) {
+  Impl(std::shared_ptr<const DynamicsModel> m, State start, const DistributionOptions& options)
+      : model(std::move(m)),
+        system(*model->system),
+        scaling(make_scaling(system)),
+        eq(make_equations(*model)),
+        friction(model, options) {
     for (int i = 0; i < model->nu(); ++i) {
       if (model->drives[i].motion) prescribed.push_back(i);
+    }
+    acting = prescribed;
+    for (int i = 0; i < model->nu(); ++i) {
+      if (!model->drives[i].motion && model->drives[i].effort_is_sought()) acting.push_back(i);
     }
     const long k = static_cast<long>(prescribed.size());
     D = RowMatrixXd::Zero(k, system.nv);
     drive_value = drive_bias = VectorXd::Zero(k);
     drive_scale = VectorXd::Ones(k);
     for (long i = 0; i < k; ++i) {
-      const DriveComponent& drive = model->drives[prescribed[i]];
-      if (drive.kind != Drive::Kind::kCoordinate) continue;
-      const Joint& joint = system.model->joint(drive.coordinate.joint);
-      const CoordinateKind kind = joint_type_info(joint.type).coordinates[drive.coordinate.index].kind;
-      if (kind == CoordinateKind::kAngle || kind == CoordinateKind::kRotationRate) drive_scale[i] = scaling.length_m;
+      if (model->drives[prescribed[i]].rotary) drive_scale[i] = scaling.length_m;
     }
     current.state = std::move(start);
     current.vdot = VectorXd::Zero(system.nv);
     current.lambda = VectorXd::Zero(system.m);
     current.u = VectorXd::Zero(model->nu());
+    current.effort_is_shared.assign(static_cast<std::size_t>(model->nu()), false);
     evaluate(current.state);
     selection = select_independent(system, scaling, eq.constraints);
+    choose_laws();
+    judge_start();
   }
+
+  int kept_rows() const { return static_cast<int>(selection.rows.size()); }
+  int watched() const { return static_cast<int>(prescribed.size() - chosen.size()); }
 
   // Constraints and drives at a state.
   void evaluate(const State& state) {
@@ -64,18 +104,45 @@ struct PrescribedMotion::Impl {
 
   MatrixXd scaled_drive_rows() const { return drive_scale.asDiagonal() * D * scaling.columns.asDiagonal(); }
 
+  // Admissible motions of the constraints alone, orthonormal in scaled units: nv × w.
+  MatrixXd admissible_motions() const {
+    const auto w = static_cast<long>(selection.independent.size());
+    MatrixXd N = MatrixXd::Zero(system.nv, w);
+    for (long k = 0; k < w; ++k) N(selection.independent[k], k) = 1;
+    if (!selection.rows.empty()) {
+      const MatrixXd G_d = eq.constraints.G(selection.rows, selection.dependent);
+      const MatrixXd G_i = eq.constraints.G(selection.rows, selection.independent);
+      N(selection.dependent, Eigen::all) = -G_d.partialPivLu().solve(G_i);
+    }
+    const Eigen::HouseholderQR<MatrixXd> qr(scaling.columns.cwiseInverse().asDiagonal() * N);
+    return qr.householderQ() * MatrixXd::Identity(system.nv, w);
+  }
+
+  // As many laws as there are motions, those that move them best. With as many laws as motions there is no choice.
+  void choose_laws() {
+    const int k = static_cast<int>(prescribed.size()), w = system.nv - kept_rows();
+    if (k <= w) {
+      chosen.resize(static_cast<std::size_t>(k));
+      for (int i = 0; i < k; ++i) chosen[static_cast<std::size_t>(i)] = i;
+      return;
+    }
+    chosen = choose_independent_rows(scaled_drive_rows() * admissible_motions(), w);
+  }
+
   void factor() {
-    const int r = static_cast<int>(selection.rows.size());
-    A.resize(system.nv, system.nv);
+    const int r = kept_rows();
+    A.resize(r + static_cast<long>(chosen.size()), system.nv);
     for (int i = 0; i < r; ++i) A.row(i) = eq.constraints.G.row(selection.rows[i]);
-    A.bottomRows(D.rows()) = D;
+    A.bottomRows(static_cast<long>(chosen.size())) = D(chosen, Eigen::all);
     lu.compute(A);
   }
 
-  // One instant's positions: Newton from `state` towards the drives' targets.
-  bool solve_positions(State& state, const VectorXd& target) {
-    const int r = static_cast<int>(selection.rows.size());
-    VectorXd residual(system.nv);
+  // One instant's positions: Newton from `state` towards the targets of the chosen laws, or of all of them, which keeps
+  // its accuracy at poses where the chosen ones are singular.
+  bool solve_positions(State& state, const VectorXd& target, bool by_all = false) {
+    const int r = kept_rows();
+    const std::vector<int> followed = by_all ? all_laws() : chosen;
+    VectorXd residual(r + static_cast<long>(followed.size()));
     double before = INFINITY;
     for (int i = 0; i < 30; ++i) {
       evaluate(state);
@@ -85,20 +152,45 @@ struct PrescribedMotion::Impl {
         residual[k] = eq.constraints.phi[row];
         size = std::max(size, std::abs(residual[k]) * scaling.rows[row]);
       }
-      residual.tail(D.rows()) = drive_value - target;
-      size = std::max(size, D.rows() > 0 ? (drive_value - target).cwiseProduct(drive_scale).cwiseAbs().maxCoeff() : 0);
+      for (std::size_t k = 0; k < followed.size(); ++k) {
+        const double off = drive_value[followed[k]] - target[followed[k]];
+        residual[r + static_cast<long>(k)] = off;
+        size = std::max(size, std::abs(off) * drive_scale[followed[k]]);
+      }
       if (!std::isfinite(size)) return false;
       const bool settled = size <= closed_tolerance(scaling) && size > 0.1 * before;
       if (settled || size == 0) return all_rows_hold();
       before = size;
-      factor();
-      VectorXd step = lu.solve(-residual);
+      VectorXd step = by_all ? solve_all_rows(-residual).x : newton_step(residual);
       const double length = step.cwiseQuotient(scaling.columns).cwiseAbs().maxCoeff() / scaling.length_m;
       if (!std::isfinite(length)) return false;
       if (length > 0.5) step *= 0.5 / length;
       displace(system, step, state.q);
     }
     return before <= closed_tolerance(scaling) && all_rows_hold();
+  }
+
+  VectorXd newton_step(const VectorXd& residual) {
+    factor();
+    return lu.solve(-residual);
+  }
+
+  std::vector<int> all_laws() const {
+    std::vector<int> laws(prescribed.size());
+    for (std::size_t i = 0; i < laws.size(); ++i) laws[i] = static_cast<int>(i);
+    return laws;
+  }
+
+  // [G_r; D] x = rhs with the rows of all laws, as well as can be; `residual` of the result is scaled.
+  LeastNormResult solve_all_rows(const VectorXd& rhs) const {
+    VectorXd scales(rhs.size());
+    scales << scaling.rows(selection.rows), drive_scale;
+    MatrixXd all(rhs.size(), system.nv);
+    all << eq.constraints.G(selection.rows, Eigen::all), D;
+    LeastNormResult result =
+        solve_least_norm(scales.asDiagonal() * all * scaling.columns.asDiagonal(), scales.cwiseProduct(rhs));
+    result.x = scaling.columns.cwiseProduct(result.x);
+    return result;
   }
 
   bool all_rows_hold() const {
@@ -112,16 +204,30 @@ struct PrescribedMotion::Impl {
     return target;
   }
 
-  // How far the drives go between two sets of targets, in rad or characteristic lengths.
+  // How far the chosen laws go between two sets of targets, in rad or characteristic lengths.
   double distance(const VectorXd& a, const VectorXd& b) const {
-    if (a.size() == 0) return 0;
-    return (a - b).cwiseProduct(drive_scale).cwiseAbs().maxCoeff() / scaling.length_m;
+    double most = 0;
+    for (const int i : chosen) most = std::max(most, std::abs(a[i] - b[i]) * drive_scale[i]);
+    return most / scaling.length_m;
   }
 
-  // Walks from where the mechanism is to `target`, in pieces small enough to stay on the branch.
+  // Walks from where the mechanism is to `target`, in pieces small enough to stay on the branch. Where the laws chosen
+  // get stuck and others are to be had, it goes on with them.
   bool walk(State& state, const VectorXd& target) {
-    evaluate(state);
-    VectorXd from = drive_value;
+    for (int attempt = 0; attempt <= watched(); ++attempt) {
+      evaluate(state);
+      if (watched() > 0) choose_laws();
+      const std::vector<int> followed = chosen;
+      if (walk_along_chosen(state, target)) return true;
+      evaluate(state);
+      choose_laws();
+      if (chosen == followed) return false;
+    }
+    return false;
+  }
+
+  bool walk_along_chosen(State& state, const VectorXd& target) {
+    const VectorXd from = drive_value;
     double done = 0, piece = 1 / std::max(1.0, std::ceil(distance(from, target) / 0.1));
     while (done < 1) {
       const double next = std::min(1.0, done + piece);
@@ -143,38 +249,44 @@ struct PrescribedMotion::Impl {
   void refresh_selection() { selection = reselect(system, scaling, eq.constraints, selection); }
 
   bool solve_rates(double t) {
-    const int r = static_cast<int>(selection.rows.size());
+    const int r = kept_rows();
+    const auto k = static_cast<long>(prescribed.size());
     State& state = current.state;
-    VectorXd rhs = VectorXd::Zero(system.nv);
-    std::vector<Law::Motion> motions;
-    for (const int i : prescribed) motions.push_back(model->drives[i].motion->motion(t));
+    VectorXd rates(k), accelerations(k), gamma(r);
+    for (long i = 0; i < k; ++i) {
+      const Law::Motion motion = model->drives[prescribed[i]].motion->motion(t);
+      rates[i] = motion.rate;
+      accelerations[i] = motion.acceleration;
+    }
     state.v.setZero();
     evaluate(state);
     factor();
-    for (std::size_t i = 0; i < motions.size(); ++i) rhs[r + static_cast<long>(i)] = motions[i].rate;
     singular_here = !is_regular();
     if (singular_here) reported = select_independent(system, scaling, eq.constraints);
-    if (!solve_square(rhs, state.v)) return false;
+    if (!solve_rows(VectorXd::Zero(r), rates, 0, state.v)) return false;
     evaluate(state);
-    for (int k = 0; k < r; ++k) rhs[k] = eq.constraints.gamma[selection.rows[k]];
-    for (std::size_t i = 0; i < motions.size(); ++i) {
-      rhs[r + static_cast<long>(i)] = motions[i].acceleration - drive_bias[static_cast<long>(i)];
-    }
-    return solve_square(rhs, current.vdot);
+    const double turning = state.v.cwiseQuotient(scaling.columns).norm() / scaling.length_m;
+    for (int i = 0; i < r; ++i) gamma[i] = eq.constraints.gamma[selection.rows[i]];
+    return solve_rows(gamma, accelerations - drive_bias, turning * turning * scaling.length_m, current.vdot);
   }
 
-  // A x = rhs. At a singular pose the least solution in scaled units, where the equations do not contradict each other:
-  // motions that are free there for an instant (an idle spin) are taken to rest.
-  bool solve_square(const VectorXd& rhs, VectorXd& x) const {
+  // G_r x = top, D x = wanted, by the chosen laws. At a singular pose by all of them, the least solution in scaled
+  // units, where the equations do not contradict each other: motions that are free there for an instant (an idle spin)
+  // are taken to rest.
+  // `size`: of what both sides were made of, scaled.
+  bool solve_rows(const VectorXd& top, const VectorXd& wanted, double size, VectorXd& x) const {
     if (!singular_here) {
+      VectorXd rhs(system.nv);
+      rhs << top, wanted(chosen);
       x = lu.solve(rhs);
       return x.allFinite();
     }
-    const VectorXd scales = row_scales();
-    const LeastNormResult least =
-        solve_least_norm(scales.asDiagonal() * A * scaling.columns.asDiagonal(), scales.cwiseProduct(rhs));
-    x = scaling.columns.cwiseProduct(least.x);
-    return is_negligible(least.residual, std::max(scales.cwiseProduct(rhs).norm(), 1e-300));
+    VectorXd rhs(top.size() + wanted.size()), scaled(rhs.size());
+    rhs << top, wanted;
+    scaled << scaling.rows(selection.rows).cwiseProduct(top), drive_scale.cwiseProduct(wanted);
+    const LeastNormResult least = solve_all_rows(rhs);
+    x = least.x;
+    return is_negligible(least.residual, std::max({scaled.norm(), size, 1e-300}));
   }
 
   bool is_regular() const {
@@ -183,112 +295,278 @@ struct PrescribedMotion::Impl {
   }
 
   VectorXd row_scales() const {
-    VectorXd scales(system.nv);
-    const int r = static_cast<int>(selection.rows.size());
+    const int r = kept_rows();
+    VectorXd scales(r + static_cast<long>(chosen.size()));
     for (int k = 0; k < r; ++k) scales[k] = scaling.rows[selection.rows[k]];
-    scales.tail(D.rows()) = drive_scale;
+    for (std::size_t k = 0; k < chosen.size(); ++k) scales[r + static_cast<long>(k)] = drive_scale[chosen[k]];
     return scales;
   }
 
-  bool solve_efforts() {
-    const int r = static_cast<int>(selection.rows.size());
+  // ---- laws that are given twice -----------------------------------------------------------------------------
+
+  // What laws ask for beside what they get; the first that differs is told.
+  std::string contradiction(double t) const {
+    if (watched() == 0) return "";
+    const VectorXd rates = D * current.state.v, accelerations = D * current.vdot + drive_bias;
+    const double rate = drive_scale.cwiseProduct(rates).cwiseAbs().maxCoeff();
+    const double acceleration =
+        std::max(drive_scale.cwiseProduct(accelerations).cwiseAbs().maxCoeff(), rate * rate / scaling.length_m);
+    for (long i = 0; i < static_cast<long>(prescribed.size()); ++i) {
+      const DriveComponent& drive = model->drives[prescribed[i]];
+      const Law::Motion law = drive.motion->motion(t);
+      const char* unit = drive.rotary ? "rad" : "m";
+      // not a rank decision: whether given laws agree
+      const auto differs = [&](double asked, double got, double size, double agreement) {
+        return std::abs(asked - got) * drive_scale[i] > agreement * std::max(size, std::abs(asked) * drive_scale[i]);
+      };
+      const auto tell = [&](const char* what, double asked, double got, const char* per) {
+        return fmt::format(
+            "the prescribed motions {} contradict each other at t = {:.9g} s: '{}' asks for {} {:.9g} {}{}, the "
+            "others make it {:.9g} {}{}, a difference of {:.3g} {}{}",
+            quoted(partners(i)), t, drive.name, what, asked, unit, per, got, unit, per, std::abs(asked - got), unit,
+            per);
+      };
+      if (differs(law.value, drive_value[i], scaling.length_m, kAgreement[0])) {
+        return tell("the position", law.value, drive_value[i], "");
+      }
+      if (differs(law.rate, rates[i], rate, kAgreement[1])) return tell("the rate", law.rate, rates[i], "/s");
+      if (differs(law.acceleration, accelerations[i], acceleration, kAgreement[2])) {
+        return tell("the acceleration", law.acceleration, accelerations[i], "/s²");
+      }
+    }
+    return "";
+  }
+
+  // Names of a law and of those that depend on it: what the left null space ties together.
+  std::vector<std::string> partners(long law) const {
+    const MatrixXd null = analyze_rank(scaled_drive_rows() * admissible_motions(), 1.0).left_null;
+    const VectorXd ties = null * null.row(law).transpose();
+    std::vector<std::string> names;
+    for (long i = 0; i < ties.size(); ++i) {
+      if (i == law || !is_negligible(ties[i], 1.0)) names.push_back(drive_name(static_cast<int>(i)));
+    }
+    return names;
+  }
+  const std::string& drive_name(int law) const { return model->drives[prescribed[law]].name; }
+
+  // ---- what moves freely --------------------------------------------------------------------------------------
+
+  void judge_start() {
+    const int r = kept_rows();
+    MatrixXd all(r + D.rows(), system.nv);
+    for (int i = 0; i < r; ++i) {
+      const int row = selection.rows[i];
+      all.row(i) = scaling.rows[row] * eq.constraints.G.row(row) * scaling.columns.asDiagonal();
+    }
+    all.bottomRows(D.rows()) = scaled_drive_rows();
+    const RankAnalysis analysis = analyze_rank(all, 1.0);
+    if (analysis.decision.rank == system.nv) return;
+    current.status = PrescribedStatus::kUndriven;
+    current.message = describe_free_motions(analysis.right_null);
+  }
+
+  // Names the joint coordinates that move in `free` (nv × d, scaled), and those to drive.
+  std::string describe_free_motions(const MatrixXd& free) {
+    std::vector<std::string> moving, best;
+    std::vector<JointCoordinate> coordinates;
+    std::vector<Eigen::RowVectorXd> rows;
+    for (std::size_t j = 0; j < system.model->joints().size(); ++j) {
+      const JointTypeInfo& type = joint_type_info(system.model->joints()[j].type);
+      for (int k = 0; k < static_cast<int>(type.coordinates.size()); ++k) {
+        const bool angle = type.coordinates[k].kind == CoordinateKind::kAngle;
+        if (!angle && type.coordinates[k].kind != CoordinateKind::kDisplacement) continue;
+        const CoordinateAccess access = system.access({JointId(j), k});
+        const Jet jet = measure_coordinate(system, access, current.state, eq.pos, eq.vel);
+        Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(system.nv);
+        add_coordinate_row(system, access, eq.pos, jet, angle ? scaling.length_m : 1.0, row);
+        const Eigen::RowVectorXd motion = row * scaling.columns.asDiagonal() * free;
+        if (is_negligible(motion.norm(), 1.0)) continue;
+        coordinates.push_back({JointId(j), k});
+        moving.push_back(system.model->coordinate_name({JointId(j), k}));
+        rows.push_back(motion);
+      }
+    }
+    const auto missing = static_cast<int>(free.cols());
+    MatrixXd motions(static_cast<long>(rows.size()), free.cols());
+    for (std::size_t i = 0; i < rows.size(); ++i) motions.row(static_cast<long>(i)) = rows[i];
+    const int reach = rows.empty() ? 0 : analyze_rank(motions, 1.0).decision.rank;
+    if (reach > 0) {
+      for (const int i : choose_independent_rows(motions, reach)) {
+        best.push_back(moving[static_cast<std::size_t>(i)]);
+        current.to_drive.push_back(coordinates[static_cast<std::size_t>(i)]);
+      }
+    }
+    std::string text = fmt::format("the drives leave {} motion(s) free", missing);
+    if (moving.empty()) {
+      for (int v = 0; v < system.nv; ++v) {
+        if (!is_negligible(free.row(v).norm(), 1.0)) moving.push_back(system.coordinate_names[v]);
+      }
+    }
+    text += "; still moving: " + joined(moving);
+    if (!best.empty())
+      text += "; a drive with a 'motion' on " + quoted(best) + " would determine " +
+              (reach < missing ? "a part of it"
+               : missing > 1   ? "them"
+                               : "it");
+    if (reach < missing) text += "; what turns or moves in a spherical or free joint takes a drive on a recorded point";
+    return text;
+  }
+
+  // ---- efforts --------------------------------------------------------------------------------------------------
+
+  LeastEffort make_least_effort() const {
+    const auto k = static_cast<long>(acting.size());
+    LeastEffort::Rows rows;
+    rows.G = eq.constraints.G(selection.rows, Eigen::all);
+    rows.G_scale = scaling.rows(selection.rows);
+    rows.E = eq.B_transposed(acting, Eigen::all);
+    rows.E_scale = rows.weights = VectorXd::Ones(k);
+    for (long i = 0; i < k; ++i) {
+      const DriveComponent& drive = model->drives[acting[i]];
+      if (drive.rotary) rows.E_scale[i] = scaling.length_m;
+      rows.weights[i] = drive.weight;
+    }
+    rows.columns = scaling.columns;
+    return LeastEffort(std::move(rows), singular_here ? std::vector<int>() : chosen);
+  }
+
+  // Multipliers and sought efforts in their places among all.
+  bool solve_forces(const LeastEffort& least, const VectorXd& rhs, Eigen::Ref<VectorXd> lambda,
+                    Eigen::Ref<VectorXd> u) const {
+    VectorXd kept, efforts;
+    if (!least.solve(rhs, kept, efforts)) return false;
+    for (std::size_t k = 0; k < selection.rows.size(); ++k) lambda[selection.rows[k]] = kept[static_cast<long>(k)];
+    for (std::size_t k = 0; k < acting.size(); ++k) u[acting[k]] = efforts[static_cast<long>(k)];
+    return true;
+  }
+
+  PrescribedStatus solve_efforts(const Selection& reactions) {
     compute_mass_and_bias(*model, eq);
     compute_applied_forces(*model, current.state, eq);
+    for (const int i : acting) eq.u[i] = 0;
     VectorXd rhs = eq.M * current.vdot + eq.h - eq.tau;
+    rhs.noalias() -= eq.B_transposed.transpose() * eq.u;
+    const LeastEffort least = make_least_effort();
+    tell_idle(least);
     current.u = eq.u;
-    for (const int i : prescribed) current.u[i] = 0;
-    rhs.noalias() -= eq.B_transposed.transpose() * current.u;
-    VectorXd x;
-    if (singular_here) {
-      const VectorXd scales = row_scales();
-      const MatrixXd scaled = scaling.columns.asDiagonal() * A.transpose() * scales.asDiagonal();
-      const LeastNormResult least = solve_least_norm(scaled, scaling.columns.cwiseProduct(rhs));
-      if (!is_negligible(least.residual, std::max(scaling.columns.cwiseProduct(rhs).norm(), 1e-300))) return false;
-      x = scales.cwiseProduct(least.x);
-    } else {
-      x = lu.transpose().solve(rhs);
-    }
     current.lambda.setZero();
-    for (int k = 0; k < r; ++k) current.lambda[selection.rows[k]] = x[k];
-    for (std::size_t i = 0; i < prescribed.size(); ++i) current.u[prescribed[i]] = x[r + static_cast<long>(i)];
+    if (!solve_forces(least, rhs, current.lambda, current.u)) return PrescribedStatus::kSingular;
+    if (!friction.any()) return PrescribedStatus::kSolved;
+    const MatrixXd C = friction.slip_rows(eq);
+    const long nf = C.rows();
+    MotionCases changes{MatrixXd::Zero(system.nv, nf), MatrixXd::Zero(system.m, nf), MatrixXd::Zero(model->nu(), nf)};
+    for (long k = 0; k < nf; ++k) {
+      if (!solve_forces(least, -C.row(k).transpose(), changes.lambda.col(k), changes.u.col(k))) {
+        return PrescribedStatus::kSingular;
+      }
+    }
+    const MotionCases base{current.vdot, current.lambda, current.u};
+    const FrictionStatus status = friction.solve(current.state, eq, reactions, base, changes);
+    if (status == FrictionStatus::kUndetermined) return PrescribedStatus::kUndeterminedFriction;
+    if (status == FrictionStatus::kJammed) return PrescribedStatus::kJammed;
+    rhs.noalias() -= C.transpose() * eq.friction;
+    return solve_forces(least, rhs, current.lambda, current.u) ? PrescribedStatus::kSolved
+                                                               : PrescribedStatus::kSingular;
+  }
+
+  void tell_idle(const LeastEffort& least) {
+    const auto d = least.idle_efforts().cols();
+    eq.idle_efforts = MatrixXd::Zero(model->nu(), d);
+    eq.idle_lambda = MatrixXd::Zero(system.m, d);
+    const std::vector<bool> shared = least.shared();
+    for (std::size_t k = 0; k < acting.size(); ++k) {
+      eq.idle_efforts.row(acting[k]) = least.idle_efforts().row(static_cast<long>(k));
+      current.effort_is_shared[static_cast<std::size_t>(acting[k])] = shared[k];
+    }
+    for (std::size_t k = 0; k < selection.rows.size(); ++k) {
+      eq.idle_lambda.row(selection.rows[k]) = least.idle_lambda().row(static_cast<long>(k));
+    }
+  }
+
+  // ---- one instant ------------------------------------------------------------------------------------------------
+
+  // Newton from a state near by; where laws are given twice first by all of them, then by those chosen, which may
+  // contradict the others.
+  bool settle_positions(State& state, const VectorXd& target) {
+    State trial = state;
+    bool settled = watched() > 0 && solve_positions(trial, target, true);
+    if (!settled) {
+      trial = state;
+      settled = solve_positions(trial, target);
+    }
+    if (!settled) return false;
+    accept_winding(system, eq.pos, trial);
+    refresh_selection();
+    state = trial;
     return true;
+  }
+
+  bool reach(double t) {
+    State state = current.state;
+    if (started && rates_known) {  // predict, then correct
+      const double dt = t - state.t;
+      const VectorXd step = dt * state.v + 0.5 * dt * dt * current.vdot;
+      const double size = step.cwiseQuotient(scaling.columns).cwiseAbs().maxCoeff() / scaling.length_m;
+      if (size < 0.3) displace(system, step, state.q);
+    }
+    if (watched() > 0) {
+      evaluate(state);
+      choose_laws();
+    }
+    const VectorXd target = targets(t);
+    State walked = current.state;
+    if (!started || !settle_positions(state, target)) {
+      if (!walk(walked, target)) return false;
+      state = walked;
+      if (watched() > 0) settle_positions(state, target);
+    }
+    state.t = t;
+    current.state = state;
+    started = true;
+    return true;
+  }
+
+  const PrescribedResult& fail(PrescribedStatus status, std::string message) {
+    current.status = status;
+    current.message = std::move(message);
+    return current;
+  }
+
+  const PrescribedResult& solve(double t, bool with_efforts) {
+    if (current.status == PrescribedStatus::kUndriven) return current;
+    if (!reach(t)) {
+      return fail(PrescribedStatus::kNotReached,
+                  fmt::format("the prescribed positions cannot be reached at t = {:.9g} s", t));
+    }
+    rates_known = solve_rates(t);
+    if (!rates_known) {
+      return fail(PrescribedStatus::kSingular,
+                  fmt::format("the driven mechanism is at a singular pose (a dead point) at t = {:.9g} s", t));
+    }
+    current.status = PrescribedStatus::kSolved;
+    if (std::string clash = contradiction(t); !clash.empty()) {
+      return fail(PrescribedStatus::kContradictory, std::move(clash));
+    }
+    if (!with_efforts) return current;
+    current.status = solve_efforts(singular_here ? reported : selection);
+    if (current.status == PrescribedStatus::kSingular) {
+      current.message = fmt::format("no finite efforts hold the motion through the singular pose at t = {:.9g} s", t);
+    } else if (current.status != PrescribedStatus::kSolved) {
+      current.message = fmt::format("at t = {:.9g} s {}", t, friction.message());
+    }
+    return current;
   }
 };
 
-PrescribedMotion::PrescribedMotion(std::shared_ptr<const DynamicsModel> model, State start)
-    : impl_(std::make_unique<Impl>(std::move(model), std::move(start))) {}
+PrescribedMotion::PrescribedMotion(std::shared_ptr<const DynamicsModel> model, State start,
+                                   const DistributionOptions& options)
+    : impl_(std::make_unique<Impl>(std::move(model), std::move(start), options)) {}
 PrescribedMotion::~PrescribedMotion() = default;
 PrescribedMotion::PrescribedMotion(PrescribedMotion&&) noexcept = default;
 
-PrescribedResult PrescribedMotion::check() const {
-  const Impl& s = *impl_;
-  PrescribedResult result = s.current;
-  const int r = static_cast<int>(s.selection.rows.size());
-  MatrixXd A(r + s.D.rows(), s.system.nv);
-  for (int i = 0; i < r; ++i) {
-    const int row = s.selection.rows[i];
-    A.row(i) = s.scaling.rows[row] * s.eq.constraints.G.row(row) * s.scaling.columns.asDiagonal();
-  }
-  A.bottomRows(s.D.rows()) = s.scaled_drive_rows();
-  const RankAnalysis analysis = analyze_rank(A, 1.0);
-  const int rank = analysis.decision.rank;
-  if (rank < s.system.nv) {
-    result.status = PrescribedStatus::kUndriven;
-    result.message = "the drives leave " + std::to_string(s.system.nv - rank) + " motion(s) free; still moving:";
-    for (int v = 0; v < s.system.nv; ++v) {
-      if (!is_negligible(analysis.right_null.row(v).norm(), 1.0)) result.message += " " + s.system.coordinate_names[v];
-    }
-  } else if (rank < A.rows()) {
-    result.status = PrescribedStatus::kOverdriven;
-    result.message = "more motions are prescribed than the mechanism has; they depend on each other:";
-    for (std::size_t i = 0; i < s.prescribed.size(); ++i) {
-      const auto row = analysis.left_null.row(r + static_cast<long>(i));
-      if (!is_negligible(row.norm(), 1.0)) result.message += " " + s.model->drives[s.prescribed[i]].name;
-    }
-  }
-  return result;
-}
+PrescribedResult PrescribedMotion::check() const { return impl_->current; }
 
-PrescribedResult PrescribedMotion::solve(double t, bool with_efforts) {
-  Impl& s = *impl_;
-  State state = s.current.state;
-  if (s.started && s.rates_known) {  // predict, then correct
-    const double dt = t - state.t;
-    const VectorXd step = dt * state.v + 0.5 * dt * dt * s.current.vdot;
-    const double size = step.cwiseQuotient(s.scaling.columns).cwiseAbs().maxCoeff() / s.scaling.length_m;
-    if (size < 0.3) displace(s.system, step, state.q);
-  }
-  const VectorXd target = s.targets(t);
-  State walked = s.current.state;
-  bool reached = s.solve_positions(state, target) && s.started;
-  if (reached) {
-    accept_winding(s.system, s.eq.pos, state);
-    s.refresh_selection();
-  } else {
-    reached = s.walk(walked, target);
-    state = walked;
-  }
-  if (!reached) {
-    s.current.status = PrescribedStatus::kNotReached;
-    s.current.message = "the prescribed positions cannot be reached at t = " + std::to_string(t) + " s";
-    return s.current;
-  }
-  state.t = t;
-  s.current.state = state;
-  s.started = true;
-  s.rates_known = s.solve_rates(t);
-  s.current.status = s.rates_known ? PrescribedStatus::kSolved : PrescribedStatus::kSingular;
-  if (!s.rates_known) {
-    s.current.message = "the driven mechanism is at a singular pose (a dead point) at t = " + std::to_string(t) + " s";
-    return s.current;
-  }
-  if (with_efforts && !s.solve_efforts()) {
-    s.current.status = PrescribedStatus::kSingular;
-    s.current.message =
-        "no finite efforts hold the motion through the singular pose at t = " + std::to_string(t) + " s";
-  }
-  return s.current;
-}
+PrescribedResult PrescribedMotion::solve(double t, bool with_efforts) { return impl_->solve(t, with_efforts); }
 
 const Equations& PrescribedMotion::equations() const { return impl_->eq; }
 const Selection& PrescribedMotion::selection() const {

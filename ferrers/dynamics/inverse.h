@@ -1,29 +1,38 @@
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "ferrers/dynamics/forward.h"
+#include "ferrers/dynamics/friction.h"
 
-/// Problem (inverse dynamics; the paper's direct problem): the motion of w coordinates is prescribed; find all
-/// coordinates, the multipliers and the w drive efforts.
+/// Problem (inverse dynamics; the paper's direct problem): motions are prescribed; find all coordinates, the
+/// multipliers and the drive efforts.
 ///
 /// Given: drives with motion laws c_k(q) = f_k(t) that together with the constraints determine every coordinate.
 /// At each instant, continued from the one before [stepanyan, "direct problem", steps 1-5]:
 ///   1. the laws f, f', f'';                       2. phi(q) = 0, c(q) = f         (Newton);
 ///   3. G v = 0, D v = f'  (linear);               4. G vdot = gamma, D vdot = f'' − (bias)  (linear);
-///   5. M vdot + h − tau = Gᵀ lambda + Dᵀ u        (linear; the transposed matrix of 3 and 4).
+///   5. M vdot + h − tau = Gᵀ lambda + Eᵀ u        (linear; the transposed matrix of 3 and 4).
 /// With drives on tree coordinates D picks independent coordinates, which is the paper's partition.
+///
+/// More laws than the mechanism has motions: as many are followed as it has, chosen well conditioned at every instant;
+/// the others are watched and must agree with them, position, rate and acceleration.
+/// More drives than motions: E has the rows of all drives that have a motion law, and of those that have no law at all
+/// (these help). Then u is not unique; the least weighted effort is taken, min Σ (weight_k u_k)², and what the choice
+/// bears on is told: `effort_is_shared`, and `equations().idle_efforts` for the reactions. Drives with an effort law
+/// alone act by it. Dry friction is solved for with the efforts, whose sharing is the least for the friction found.
+/// Cost of an instant: O(nv³) per Newton step.
 namespace ferrers {
 
 enum class PrescribedStatus {
   kSolved,
-  kUndriven,    ///< Some motion is not prescribed: `message` names the coordinates. Nothing was computed.
-  kOverdriven,  ///< Drives depend on each other or on the constraints: `message` names them. Nothing was computed.
-  kNotReached,  ///< The prescribed positions cannot be reached at this time: the state is the last good one.
-  kSingular,    ///< A singular pose of the driven mechanism (dead point): no accelerations or forces.
+  kUndriven,       ///< Some motion is not prescribed: `message` names what moves and what to drive. Nothing computed.
+  kContradictory,  ///< Prescribed motions contradict each other: `message` says which, when and by how much.
+  kNotReached,     ///< The prescribed positions cannot be reached at this time: the state is the last good one.
+  kSingular,       ///< A singular pose of the driven mechanism (dead point): no accelerations or forces.
+  kUndeterminedFriction,  ///< Friction depends on reactions that are not unique (dynamics/friction.h): no forces.
+  kJammed,                ///< No friction agrees with the reactions that it causes: no forces.
 };
 
 struct PrescribedResult {
@@ -31,19 +40,23 @@ struct PrescribedResult {
   State state;
   VectorXd vdot;    ///< nv.
   VectorXd lambda;  ///< m, zero at the rows left out; valid after `solve_efforts`.
-  VectorXd u;       ///< nu: efforts of the prescribed drives; those of others are their effort laws.
+  VectorXd u;       ///< nu: efforts that hold the motion; of drives with an effort law alone, that.
+  /// nu: the motion does not determine this effort; it is the share of the least weighted effort.
+  std::vector<bool> effort_is_shared;
+  std::vector<JointCoordinate> to_drive;  ///< kUndriven: drives on these would determine most of what moves.
   std::string message;
 };
 
 /// Solves prescribed motion instant by instant; holds the decision and the work space.
 class PrescribedMotion {
  public:
-  /// `start`: an assembled state near the motion at its first time. Drives without a motion law act by their efforts.
-  PrescribedMotion(std::shared_ptr<const DynamicsModel> model, State start);
+  /// `start`: an assembled state near the motion at its first time. `options`: how dry friction takes reactions that
+  /// rigid bodies leave open.
+  PrescribedMotion(std::shared_ptr<const DynamicsModel> model, State start, const DistributionOptions& options = {});
   ~PrescribedMotion();
   PrescribedMotion(PrescribedMotion&&) noexcept;
 
-  /// Decides whether the drives determine the motion. Call once; a status other than kSolved is final.
+  /// Decides whether the drives determine the motion. A status other than kSolved is final.
   PrescribedResult check() const;
   /// Steps 1-4 at time t (and 5 with `with_efforts`), continued from the last instant solved.
   PrescribedResult solve(double t, bool with_efforts = true);

@@ -8,7 +8,8 @@ namespace ferrers {
 /// Joints, self-stresses and multipliers of one state.
 struct ReactionSolver::Instant {
   std::vector<JointFrameWrenches> joints;
-  MatrixXd Z;  // rows × redundant
+  MatrixXd Z;       // rows × redundant
+  MatrixXd shared;  // rows × idle efforts of the drives: what they load the joints with
 };
 
 struct ReactionSolver::Distributed {
@@ -50,6 +51,13 @@ std::vector<JointReaction> ReactionSolver::solve(const State& state, const Equat
                                             make_motion_loads(*model_, state, eq, vdot, lambda, u));
   at.Z = complete_self_stresses(system, scaling_, rows_, eq.pos, at.joints,
                                 self_stresses_of_selection(system, selection, eq.constraints.G));
+  if (eq.idle_efforts.cols() > 0) {
+    const auto k = eq.idle_efforts.cols();
+    const LoadChanges idle{MatrixXd::Zero(system.nv, k), eq.idle_lambda, eq.idle_efforts,
+                           MatrixXd::Zero(model_->friction_slips, k)};
+    at.shared =
+        distribute_to_joints(system, rows_, scaling_, eq.pos, at.joints, make_changed_loads(*model_, state, eq, idle));
+  }
   DistributionOutcome local;
   DistributionOutcome& told = outcome != nullptr ? *outcome : local;
   told = {};
@@ -84,11 +92,15 @@ std::vector<JointReaction> ReactionSolver::make_reactions(const Instant& at, con
     const int first = rows_.first[j], count = rows_.count[j];
     const bool distributed = solution.method && solution.valid[j];
     const MatrixXd& open = distributed ? solution.method->remaining : at.Z;
+    // What changes with the sharing of the efforts is fixed by it, as springs fix self-stresses.
+    MatrixXd all(count, at.Z.cols() + at.shared.cols());
+    all.leftCols(at.Z.cols()) = at.Z.middleRows(first, count);
+    if (at.shared.cols() > 0) all.rightCols(at.shared.cols()) = at.shared.middleRows(first, count);
     for (int k = 0; k < 6; ++k) {
       const Eigen::RowVectorXd row = component_row(joint, at.joints[j], axes, k);
       reactions[j].value[k] = row.dot(solution.lambda.segment(first, count));
-      reactions[j].status[k] = judge_component(row, component_unit(k, scaling_.length_m), at.Z.middleRows(first, count),
-                                               open.middleRows(first, count));
+      reactions[j].status[k] =
+          judge_component(row, component_unit(k, scaling_.length_m), all, open.middleRows(first, count));
     }
     reactions[j].low = reactions[j].high = reactions[j].value;
   }

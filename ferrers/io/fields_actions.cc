@@ -17,6 +17,12 @@ FieldInfo coordinate_field() {
   return field("coordinate", K::kName, {}, "Which coordinate of the joint", "its only one");
 }
 FieldInfo axes_field() { return choice_field("axes", {"world", "body"}, "Axes of the three components", "world"); }
+FieldInfo weight_field() {
+  return field("weight", K::kNumber, kOfPureNumber,
+               "Where more drives act than the motion needs, the sum of (weight · effort)² is the least, efforts in N "
+               "or N·m; the reciprocal of a drive's rated effort makes all drives work to the same share of theirs",
+               "1");
+}
 
 ObjectFamily force_family() {
   ObjectFamily family{Family::kForceElement,
@@ -89,25 +95,26 @@ ObjectFamily drive_family() {
       false,
       {},
       "On a joint coordinate (`joint`), on the distance of two points (`bodies`), or on a recorded point "
-      "(`point`). Either law may be absent.",
+      "(`point`). Either law may be absent: without a motion a drive acts by its effort, and without both it helps the "
+      "others in inverse dynamics and rests in simulation.",
       {}};
   family.types = {
       {"joint",
        "a drive on a joint",
        {},
        {joint_field(), coordinate_field(), law_field("motion", K::kLaw, kOfCoordinate, motion, "none"),
-        law_field("effort", K::kLaw, kOfCoordinateEffort, effort, "none")}},
+        law_field("effort", K::kLaw, kOfCoordinateEffort, effort, "none"), weight_field()}},
       {"bodies",
        "a drive on a distance",
        {},
        {bodies_field(), points_field(), law_field("motion", K::kLaw, kOfLength, motion + ": the distance", "none"),
-        law_field("effort", K::kLaw, kOfForce, effort + ": apart", "none")}},
+        law_field("effort", K::kLaw, kOfForce, effort + ": apart", "none"), weight_field()}},
       {"point",
        "a drive on a recorded point",
        {},
        {required(field("point", K::kName, {}, "Name of a recorded point")),
         law_field("motion", K::kLaw3, kOfLength, motion + ": the path, world axes", "none"),
-        law_field("effort", K::kLaw3, kOfForce, effort + ", world axes", "none")}},
+        law_field("effort", K::kLaw3, kOfForce, effort + ", world axes", "none"), weight_field()}},
   };
   return family;
 }

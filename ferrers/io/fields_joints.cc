@@ -152,8 +152,10 @@ std::vector<ObjectFamily> make_joint_families() {
               field("rotation", K::kVector3, kOfAngle, "About x, y, z (a small rotation vector)", "[0, 0, 0]")}),
       single(Family::kFriction, "friction", "a joint's friction", "Friction along the joint's freedoms.",
              {field("viscous", K::kNumber, kOfCoordinateDamping, "Effort per speed", "0"),
-              field("coulomb", K::kNumber, kOfPureNumber, "Dry friction coefficient", "0"),
-              field("radius", K::kNumber, kOfLength, "Radius at which dry friction acts in a turning joint", "0")}),
+              field("coulomb", K::kNumber, kOfPureNumber,
+                    "Dry friction: this times the force that presses the joint's parts together", "0"),
+              field("radius", K::kNumber, kOfLength,
+                    "Where the parts touch: lever of dry friction in what turns, of moments in what slides", "0")}),
       coupling_family(),
   };
 }

@@ -254,7 +254,7 @@ std::string text_of(const DriveSpec& drive) {
   FlowMap map;
   map.add_if("joint", drive.coordinate).add_if("bodies", drive.bodies).add_if("points", drive.points);
   if (drive.point) map.add("point", drive.point->name);
-  return map.add_laws("motion", drive.motion).add_laws("effort", drive.effort).text();
+  return map.add_laws("motion", drive.motion).add_laws("effort", drive.effort).add_if("weight", drive.weight).text();
 }
 
 std::string text_of(const InitialSpec& initial) {

@@ -52,14 +52,23 @@ OrderedJson joint_values(const RunDocument& document) {
   return all;
 }
 
-OrderedJson drive_values(const std::vector<DrivePeak>& drives) {
+// "distributed": more drives act than the motion needs, and the effort is the share of the least weighted effort.
+OrderedJson effort_status(const RunDocument& document, std::size_t drive) {
+  if (!document.drives[drive].effort) return nullptr;
+  const std::vector<bool>& shared = document.summary->effort_is_shared;
+  return drive < shared.size() && shared[drive] ? "distributed" : "unique";
+}
+
+OrderedJson drive_values(const RunDocument& document) {
   OrderedJson all = OrderedJson::array();
-  for (const DrivePeak& one : drives) {
+  for (std::size_t i = 0; i < document.drives.size(); ++i) {
+    const DrivePeak& one = document.drives[i];
     OrderedJson value;
     value["drive"] = one.drive;
     value["max_effort"] = value_or_null(one.effort);
     value["max_effort_t"] = one.effort ? OrderedJson(one.t) : OrderedJson();
     value["unit"] = one.unit;
+    value["status"] = effort_status(document, i);
     all.push_back(std::move(value));
   }
   return all;
@@ -100,11 +109,14 @@ void add_summary(const RunDocument& document, OrderedJson& out) {
   out["largest_step_s"] = summary.largest_step > 0 ? OrderedJson(summary.largest_step) : OrderedJson();
   out["wall_time_s"] = summary.wall_time_s;
   out["max_constraint_residual_m"] = summary.max_constraint_residual;
-  out["energy"] = {{"start", summary.energy_start},
-                   {"end", summary.energy_end},
-                   {"min", summary.energy_min},
-                   {"max", summary.energy_max},
-                   {"drift", summary.energy_end - summary.energy_start}};
+  out["energy"] = nullptr;
+  if (summary.has_energy) {
+    out["energy"] = {{"start", summary.energy_start},
+                     {"end", summary.energy_end},
+                     {"min", summary.energy_min},
+                     {"max", summary.energy_max},
+                     {"drift", summary.energy_end - summary.energy_start}};
+  }
   OrderedJson decisions = OrderedJson::array();
   for (const DecisionRecord& decision : summary.decisions) decisions.push_back(decision_value(decision));
   out["decisions"] = std::move(decisions);
@@ -122,7 +134,7 @@ void add_summary(const RunDocument& document, OrderedJson& out) {
   out["notices"] = summary.notices;
   for (const std::string& notice : summary.distribution.notices) out["notices"].push_back(notice);
   out["distribution"] = distribution_value(summary.distribution);
-  out["drives"] = drive_values(document.drives);
+  out["drives"] = drive_values(document);
   out["joints"] = joint_values(document);
 }
 

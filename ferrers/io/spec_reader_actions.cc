@@ -145,6 +145,7 @@ void SpecReader::read_drive(const DocumentNode& node, const NameRef& name) {
     }
     drive.motion = object.laws("motion");
     drive.effort = object.laws("effort");
+    drive.weight = object.number("weight");
   }
   if (drive.coordinate && faults_.joints_without_type.count(drive.coordinate->joint.name) > 0) return;
   spec_.drives.push_back(std::move(drive));

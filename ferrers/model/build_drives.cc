@@ -31,6 +31,14 @@ void ModelAssembler::build_drive(const DriveSpec& spec) {
     drive.effort = drive_laws(spec.effort, LawScope::kOfState, on_joint ? effort_dimension(drive.coordinate) : kForce,
                               drive, {"effort", spec.name});
   }
+  if (spec.weight) {
+    drive.weight = number(*spec.weight, kPureNumber, {"weight", spec.name});
+    if (!(drive.weight > 0) && !std::isnan(drive.weight)) {
+      diagnostics_.error("F334", place_of(*spec.weight, {"weight", spec.name}),
+                         fmt::format("the weight of the drive '{}' must be above zero", spec.name.name),
+                         "the reciprocal of the largest effort that the drive can give is a good weight");
+    }
+  }
   model_.drives_.push_back(std::move(drive));
 }
 

@@ -112,6 +112,7 @@ struct Drive {
   Vector3d point_1_m = Vector3d::Zero(), point_2_m = Vector3d::Zero();
   std::vector<Law> motion;  ///< Empty, 1, or 3 for kPoint.
   std::vector<Law> effort;
+  double weight = 1;  ///< Of the effort (N, N·m) where drives share a load: Σ (weight · effort)² is the least.
   int components() const { return kind == Kind::kPoint ? 3 : 1; }
 };
 

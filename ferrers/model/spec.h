@@ -172,6 +172,7 @@ struct DriveSpec {
   std::optional<std::array<Number3, 2>> points;
   std::optional<NameRef> point;         ///< on a recorded point (three laws, world axes).
   std::vector<LawSpec> motion, effort;  ///< Empty, one, or three (recorded point).
+  std::optional<Number> weight;         ///< Of its effort where drives share a load.
   SourceRange at;
 };
 

@@ -79,9 +79,12 @@ struct RunSummary {
   double smallest_step = 0, largest_step = 0;                               ///< s.
   double wall_time_s = 0;                                                   ///< Of the integration with its output.
   double max_constraint_residual = 0;                                       ///< m.
+  bool has_energy = true;                                                   ///< False: masses were not needed.
   double energy_start = 0, energy_end = 0, energy_min = 0, energy_max = 0;  ///< J.
   std::vector<DecisionRecord> decisions;
   std::vector<SingularPose> singular_poses;
+  /// Inverse dynamics, per drive component: not unique, the share of the least weighted effort. Else empty.
+  std::vector<bool> effort_is_shared;
   std::vector<std::string> notices;
   std::vector<JointPeak> peaks;  ///< Per joint.
   DistributionSummary distribution;
