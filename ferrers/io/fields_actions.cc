@@ -18,10 +18,11 @@ FieldInfo coordinate_field() {
 }
 FieldInfo axes_field() { return choice_field("axes", {"world", "body"}, "Axes of the three components", "world"); }
 FieldInfo weight_field() {
-  return field("weight", K::kNumber, kOfPureNumber,
-               "Where more drives act than the motion needs, the sum of (weight · effort)² is the least, efforts in N "
-               "or N·m; the reciprocal of a drive's rated effort makes all drives work to the same share of theirs",
-               "1");
+  return field(
+      "weight", K::kNumber, kOfPureNumber,
+      "Of its effort where more drives act than the motion needs: the sum of (weight · effort)², in N and N·m, "
+      "is the least; with 1 / rated effort, that of the squared loads of the drives",
+      "1");
 }
 
 ObjectFamily force_family() {

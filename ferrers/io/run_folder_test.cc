@@ -259,5 +259,22 @@ TEST(RunSummaryTest, EnergyTellsItsDrift) {
   EXPECT_EQ(json.at("schema"), "ferrers.run/1");
 }
 
+TEST(RunSummaryTest, WithoutMassesThereIsNoEnergy) {
+  RunSummary summary;
+  summary.has_energy = false;
+  EXPECT_TRUE(ordered_json::parse(write_summary_json(document_of(summary))).at("energy").is_null());
+}
+
+TEST(RunSummaryTest, SharedEffortsAreMarked) {
+  RunSummary summary;
+  summary.effort_is_shared = {false, true, true};
+  RunDocument document = document_of(summary);
+  document.drives = {{"alone", "N", 5.0, 0}, {"shared", "N·m", 3.0, 0}, {"unknown", "N", std::nullopt, 0}};
+  const ordered_json json = ordered_json::parse(write_summary_json(document));
+  EXPECT_EQ(json.at("drives").at(0).at("status"), "unique");
+  EXPECT_EQ(json.at("drives").at(1).at("status"), "distributed");
+  EXPECT_TRUE(json.at("drives").at(2).at("status").is_null());
+}
+
 }  // namespace
 }  // namespace ferrers

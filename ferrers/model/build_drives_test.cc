@@ -63,6 +63,17 @@ EventSpec event(const std::string& when, EventSpec::Action action) {
   return spec;
 }
 
+TEST(BuildDrivesTest, AWeightIsAboveZeroAndOneByDefault) {
+  DriveSpec drive = coordinate_drive("motor", "hinge", "t");
+  EXPECT_EQ(built(with_drive(drive)).drives()[0].weight, 1);
+  drive.weight = Number(0.25);
+  EXPECT_EQ(built(with_drive(drive)).drives()[0].weight, 0.25);
+  for (const double wrong : {0.0, -1.0}) {
+    drive.weight = Number(wrong);
+    EXPECT_EQ(build_codes(with_drive(drive)), Codes{"F334"});
+  }
+}
+
 TEST(BuildDrivesTest, DriveSitsOnACoordinate) {
   DriveSpec drive = coordinate_drive("motor", "tube", "2*t", "3");
   EXPECT_EQ(build_codes(with_drive(drive)), Codes{"F305"});
