@@ -160,6 +160,8 @@ TEST_F(CommandTest, HelpAndVersionAreResultsAndNotErrors) {
                                                     {"simulate", "-h"},
                                                     {"inverse", "--help"},
                                                     {"kinematics", "--help"},
+                                                    {"equilibrium", "--help"},
+                                                    {"linearize", "--help"},
                                                     {"schema", "--help"},
                                                     {"new", "--help"},
                                                     {"doctor", "--help"}}) {
@@ -172,10 +174,11 @@ TEST_F(CommandTest, HelpAndVersionAreResultsAndNotErrors) {
 
 TEST_F(CommandTest, HelpListsWhatThereIsAndNothingElse) {
   const std::string help = run({"--help"}).output;
-  for (const char* verb : {"analyze", "inverse", "simulate", "kinematics", "schema", "new", "doctor"}) {
+  for (const char* verb :
+       {"analyze", "inverse", "simulate", "kinematics", "equilibrium", "linearize", "schema", "new", "doctor"}) {
     EXPECT_THAT(help, HasSubstr("\n  " + std::string(verb) + " "));
   }
-  for (const char* verb : {"view", "report", "sweep", "optimize", "plot", "convert", "linearize", "equilibrium"}) {
+  for (const char* verb : {"view", "report", "sweep", "optimize", "plot", "convert"}) {
     EXPECT_THAT(help, Not(HasSubstr("\n  " + std::string(verb) + " ")));
   }
   EXPECT_THAT(run({"simulate", "--help"}).output, HasSubstr("Examples:"));
@@ -231,7 +234,7 @@ TEST_F(CommandTest, OneParameterOptionTakesOneParameter) {
 
 TEST_F(CommandTest, AllErrorsOfAModelAreOnStderrWithTheirLines) {
   const std::string model = write("wrong.yaml", kWrongModel).string();
-  for (const char* verb : {"analyze", "simulate", "inverse", "kinematics"}) {
+  for (const char* verb : {"analyze", "simulate", "inverse", "kinematics", "equilibrium", "linearize"}) {
     const Result result = run({verb, model});
     EXPECT_EQ(result.exit_code, 3) << verb;
     EXPECT_THAT(result.output, IsEmpty());
@@ -291,7 +294,7 @@ TEST_F(CommandTest, ALoopThatCannotCloseIsExitFourWithItsGap) {
 TEST_F(CommandTest, DynamicsWantsMassesAndNamesTheBodies) {
   const std::string model = write("massless.yaml", kMasslessModel).string();
   EXPECT_EQ(run({"analyze", model}).exit_code, 0);
-  for (const char* verb : {"simulate", "inverse"}) {
+  for (const char* verb : {"simulate", "inverse", "equilibrium", "linearize"}) {
     const Result result = run({verb, model, "--json"});
     EXPECT_EQ(result.exit_code, 3);
     EXPECT_THAT(result.errors, HasSubstr(":4:3: error[F504]: body 'a' has no mass"));
@@ -310,11 +313,55 @@ TEST_F(CommandTest, MotionThatIsNotPrescribedIsAModelError) {
 }
 
 // ---------------------------------------------------------------------------------------------------------------------
+// Rest and linear systems
+
+std::string pendulum() { return (kExamples / "pendulum-a01/model.yaml").string(); }
+
+TEST_F(CommandTest, APendulumFallsToItsEquilibriumWhichTheWrittenModelStartsFrom) {
+  const Result found = run({"equilibrium", pendulum(), "--json", "--write-model", "rest.yaml"});
+  ASSERT_EQ(found.exit_code, 0) << found.errors;
+  const ordered_json json = found.json();
+  EXPECT_EQ(json.at("schema"), "ferrers.equilibrium/1");
+  EXPECT_EQ(json.at("stability").at("verdict"), "stable");
+  EXPECT_NEAR(json.at("positions").at(0).at("value").get<double>(), -1.5707963267948966, 1e-12);
+  EXPECT_NEAR(json.at("reactions").at(0).at("components").at("force_y").at("value").get<double>(), 9.81, 1e-12);
+  const Result linear = run({"linearize", "rest.yaml", "--json"});
+  ASSERT_EQ(linear.exit_code, 0) << linear.errors;
+  EXPECT_EQ(linear.json().at("in_equilibrium"), true);
+  EXPECT_NEAR(linear.json().at("modes").at(0).at("frequency_rad_s").get<double>(), 3.1320919526731652, 1e-11);
+  EXPECT_THAT(run({"linearize", pendulum(), "--at-equilibrium"}).output, HasSubstr("0.498488 Hz"));
+}
+
+TEST_F(CommandTest, WithoutAnEquilibriumOrSomeoneToHoldItIsExitFive) {
+  const std::vector<std::string> falling = {pendulum(), "--set", "joints.pivot.type=prismatic", "--set",
+                                            "joints.pivot.axis=y"};
+  for (const std::vector<std::string>& arguments :
+       {std::vector<std::string>{"equilibrium"}, {"linearize", "--at-equilibrium"}}) {
+    std::vector<std::string> words = {arguments[0]};
+    words.insert(words.end(), falling.begin(), falling.end());
+    words.insert(words.end(), arguments.begin() + 1, arguments.end());
+    words.emplace_back("--json");
+    const Result result = run(words);
+    EXPECT_EQ(result.exit_code, 5) << result.errors;
+    EXPECT_THAT(result.errors, HasSubstr("error[F512]: no equilibrium was found"));
+    EXPECT_THAT(result.errors, HasSubstr("pivot.displacement (-9.81 m/s²)"));
+    EXPECT_EQ(result.json().at("ok"), false);
+  }
+  const Result hold = run({"equilibrium", pendulum(), "--hold", "--json"});
+  EXPECT_EQ(hold.exit_code, 5);
+  EXPECT_EQ(hold.json().at("status"), "not_held");
+  EXPECT_TRUE(hold.json().at("reactions").is_null());
+  EXPECT_THAT(hold.errors, HasSubstr("error[F513]"));
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
 // Results
 
 TEST_F(CommandTest, WithJsonStdoutIsOneObject) {
   for (const std::vector<std::string>& arguments : {std::vector<std::string>{"analyze", bricard(), "--json"},
                                                     {"simulate", bricard(), "--end", "0.1", "--json"},
+                                                    {"equilibrium", bricard(), "--json"},
+                                                    {"linearize", bricard(), "--json"},
                                                     {"doctor", "--json"},
                                                     {"new", "--json"},
                                                     {"schema"}}) {

@@ -12,6 +12,11 @@
 //                         reactions.csv; a status `undetermined` demands an empty value
 //     "trajectory":       {file, tolerance}: a CSV beside expected.json whose cells result.csv must show
 //     "energy_drift_max": bound of |energy(t) - energy(0)|, J
+//   "equilibrium", "linearize": one call or a list of calls with `--json`, each an object of
+//     "args":             more arguments
+//     "exit_code":        the one that the command must end with [0]
+//     "contains":         an object that the command's must contain
+//     "numbers":          [{at, value, relative_tolerance}]: `at` is a JSON pointer into the command's object
 //
 // A key that is not listed here fails the test: a misspelt fact must not pass unread.
 
@@ -362,6 +367,27 @@ class ExampleTest : public testing::TestWithParam<Example> {
     check_analysis(report, plain);
   }
 
+  void check_answer(const ordered_json& facts, const fs::path& scratch) {
+    expect_known_keys(facts, {"args", "exit_code", "contains", "numbers"});
+    std::vector<std::string> arguments = {GetParam().verb, model(), "--json"};
+    for (const auto& argument : facts.value("args", ordered_json::array())) arguments.push_back(argument);
+    const CommandResult run = run_command(arguments, scratch);
+    SCOPED_TRACE(run.line);
+    ASSERT_EQ(run.exit_code, facts.value("exit_code", 0)) << run.output << run.errors;
+    const ordered_json answer = ordered_json::parse(run.output, nullptr, /*allow_exceptions=*/false);
+    ASSERT_TRUE(answer.is_object()) << "stdout is not one JSON object:\n" << run.output;
+    EXPECT_EQ(answer.value("ok", ordered_json()), run.exit_code == 0);
+    expect_contains(answer, facts.value("contains", ordered_json::object()), "");
+    for (const auto& fact : facts.value("numbers", ordered_json::array())) {
+      expect_known_keys(fact, {"at", "value", "relative_tolerance"});
+      const ordered_json::json_pointer at(fact.at("at").get<std::string>());
+      ASSERT_TRUE(answer.contains(at) && answer.at(at).is_number()) << "no number at " << fact.at("at");
+      const double value = fact.at("value");
+      EXPECT_NEAR(answer.at(at).get<double>(), value, std::abs(value) * fact.at("relative_tolerance").get<double>())
+          << "at " << fact.at("at");
+    }
+  }
+
   void check_run(const ordered_json& facts, const fs::path& scratch) {
     expect_known_keys(facts, {"args", "result", "reactions", "trajectory", "energy_drift_max"});
     const fs::path out = scratch / "run";
@@ -394,7 +420,8 @@ TEST_P(ExampleTest, ShowsItsFacts) {
   const ordered_json runs = facts.is_array() ? facts : ordered_json::array({facts});
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const ScratchFolder scratch(GetParam().name() + "_" + std::to_string(i));
-    check_run(runs[i], scratch.path());
+    const bool is_answer = GetParam().verb == "equilibrium" || GetParam().verb == "linearize";
+    is_answer ? check_answer(runs[i], scratch.path()) : check_run(runs[i], scratch.path());
   }
 }
 
@@ -405,7 +432,7 @@ INSTANTIATE_TEST_SUITE_P(Examples, ExampleTest, testing::ValuesIn(all_examples()
 // The folders themselves
 
 TEST(ExampleFoldersTest, EveryFolderTellsWhyAndWhat) {
-  const std::set<std::string> verbs = {"analyze", "simulate", "inverse", "kinematics"};
+  const std::set<std::string> verbs = {"analyze", "simulate", "inverse", "kinematics", "equilibrium", "linearize"};
   for (const fs::path& folder : example_folders()) {
     SCOPED_TRACE(folder);
     EXPECT_GT(read_text(folder / "README.md").size(), 500u) << "a README of a few words does not explain the mechanism";

@@ -170,6 +170,16 @@ void report_open(LoadedModel& loaded, const AssemblyResult& assembly, const Cont
   }
 }
 
+void report_masses(LoadedModel& loaded, const std::vector<std::string>& bodies) {
+  for (const BodySpec& body : loaded.model->spec().bodies) {
+    for (const std::string& name : bodies) {
+      if (body.name.name != name) continue;
+      report(loaded, "F504", body.name.at, fmt::format("body '{}' has no mass, which dynamics needs", name),
+             "give it a 'mass' and 'com'; zero is a mass as well");
+    }
+  }
+}
+
 int command_line_error(std::string_view message) {
   print(stderr, fmt::format("ferrers: {}\n", message));
   return kExitCommandLine;

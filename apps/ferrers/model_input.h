@@ -53,5 +53,8 @@ void report_open(LoadedModel& loaded, const ferrers::AssemblyResult& assembly,
                  const ferrers::ContradictionReport& contradiction);
 void report_open(LoadedModel& loaded, const ferrers::AssemblyResult& assembly);
 
+/// Reports bodies whose mass was left out, with their places.
+void report_masses(LoadedModel& loaded, const std::vector<std::string>& bodies);
+
 /// Prints a fault of the command line or of a file to be written; returns its exit code.
 int command_line_error(std::string_view message);

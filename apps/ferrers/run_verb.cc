@@ -182,17 +182,6 @@ class Output {
   long rows_ = 0;
 };
 
-/// Bodies whose mass was left out, with their places.
-void report_masses(LoadedModel& loaded, const std::vector<std::string>& bodies) {
-  for (const BodySpec& body : loaded.model->spec().bodies) {
-    for (const std::string& name : bodies) {
-      if (body.name.name != name) continue;
-      report(loaded, "F504", body.name.at, fmt::format("body '{}' has no mass, which dynamics needs", name),
-             "give it a 'mass' and 'com'; zero is a mass as well");
-    }
-  }
-}
-
 /// The exit code that a run's status means; reports it when it is none of the good ones.
 int conclude(const RunSummary& summary, long rows, LoadedModel& loaded) {
   const auto fail = [&](std::string_view code, int exit_code, std::string hint = {}) {

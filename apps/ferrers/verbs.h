@@ -11,6 +11,8 @@ void add_analyze(CLI::App& command, Job& job);
 void add_inverse(CLI::App& command, Job& job);
 void add_simulate(CLI::App& command, Job& job);
 void add_kinematics(CLI::App& command, Job& job);
+void add_equilibrium(CLI::App& command, Job& job);
+void add_linearize(CLI::App& command, Job& job);
 void add_schema(CLI::App& command, Job& job);
 void add_new(CLI::App& command, Job& job);
 void add_doctor(CLI::App& command, Job& job);

@@ -92,6 +92,9 @@ const std::vector<DiagnosticCode>& diagnostic_codes() {
       {"F509", "not supported"},
       {"F510", "geometry contradicts itself"},
       {"F511", "joint of a contradiction"},
+      {"F512", "no equilibrium"},
+      {"F513", "pose is not held"},
+      {"F514", "no linear system at this pose"},
   };
   return codes;
 }

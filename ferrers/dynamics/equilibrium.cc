@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "ferrers/dynamics/named_coordinates.h"
 #include "ferrers/kinematics/assembly.h"
@@ -18,7 +19,8 @@ constexpr double kBlindStep = 0.05;     // the same where there is no stiffness 
 constexpr double kFloor = 1e-6;         // least stiffness to divide by, of the scale
 constexpr double kSettledPart = 1e-11;  // Newton steps this small, in characteristic lengths, are none
 constexpr double kRoundings = 64 * std::numeric_limits<double>::epsilon();
-constexpr double kOvershoot = 0.5;  // share of the first force that may act against the end of a step
+constexpr double kSingularRest = 1e-7;  // of all forces: loops that close to rounding leave its root open there
+constexpr double kOvershoot = 0.5;      // share of the first force that may act against the end of a step
 constexpr int kMostTrials = 14, kMostPolishing = 4;
 
 // The principal directions of the stiffness at one pose, and the forces along them.
@@ -39,14 +41,18 @@ class Search {
 
   EquilibriumResult run() {
     for (result_.steps = 0; result_.steps < options_.max_iterations; ++result_.steps) {
-      ReducedMotion motion = decide();
-      const ReducedDerivatives derivatives = compute_reduced_stiffness(motion, scaling_.length_m);
-      const Directions at = derivatives.valid ? principal(motion, derivatives) : blind(motion);
-      if (is_at_rest(at)) {
-        finish(std::move(motion), derivatives);
+      std::optional<ReducedMotion> motion(decide());
+      ReducedDerivatives derivatives = compute_reduced_stiffness(*motion, scaling_.length_m);
+      if (!derivatives.valid && last_.rows.size() > motion->selection().rows.size()) {
+        keep_rank(motion, derivatives);
+      }
+      if (derivatives.valid) last_ = motion->selection();
+      const Directions at = derivatives.valid ? principal(*motion, derivatives) : blind(*motion);
+      if (is_at_rest(at, derivatives.valid)) {
+        finish(*motion, derivatives);
         return std::move(result_);
       }
-      if (!(derivatives.valid ? step(motion, at, derivatives) : false) && !blind_step(motion)) break;
+      if (!(derivatives.valid ? step(*motion, at, derivatives) : false) && !blind_step(*motion)) break;
     }
     fail();
     return std::move(result_);
@@ -57,6 +63,16 @@ class Search {
     Equations eq = make_equations(model_);
     compute_kinematics(model_, result_.state, eq);
     return ReducedMotion(model_, scaling_, result_.state, select_independent(system_, scaling_, eq.constraints));
+  }
+
+  // Close to a singular pose with the rank of the way there: the branch that it is on has coordinates.
+  void keep_rank(std::optional<ReducedMotion>& motion, ReducedDerivatives& derivatives) {
+    const Selection selection = reselect(system_, scaling_, motion->equations().constraints, last_);
+    ReducedMotion other(model_, scaling_, result_.state, selection);
+    const ReducedDerivatives found = compute_reduced_stiffness(other, scaling_.length_m);
+    if (!found.valid) return;
+    derivatives = found;
+    motion.emplace(std::move(other));
   }
 
   Directions principal(const ReducedMotion& motion, const ReducedDerivatives& derivatives) const {
@@ -84,11 +100,12 @@ class Search {
     return at;
   }
 
-  bool is_at_rest(const Directions& at) {
+  bool is_at_rest(const Directions& at, bool regular) {
+    const double rounding = regular ? kRoundings : kSingularRest;
     result_.residual_N = at.force.size() > 0 ? at.force.norm() : 0;
     for (long k = 0; k < at.force.size(); ++k) {
       const double settled = kSettledPart * scaling_.length_m * std::abs(at.stiffness[k]);
-      if (!(std::abs(at.force[k]) <= settled + kRoundings * at.scale_N)) return false;
+      if (!(std::abs(at.force[k]) <= settled + rounding * at.scale_N)) return false;
     }
     return true;
   }
@@ -155,7 +172,7 @@ class Search {
     }
   }
 
-  void finish(ReducedMotion motion, const ReducedDerivatives& derivatives) {
+  void finish(ReducedMotion& motion, const ReducedDerivatives& derivatives) {
     polish(motion, derivatives);
     motion.evaluate(result_.state);
     result_.selection = motion.selection();
@@ -169,6 +186,8 @@ class Search {
                                           result_.force_scale_N, scaling_.length_m);
     }
     result_.notices = passed_limits(system_, result_.state);
+    if (!model_.frictions.empty())
+      result_.notices.emplace_back("dry friction is left out: it may hold other poses too");
   }
 
   void fail() {
@@ -192,6 +211,7 @@ class Search {
   Scaling scaling_;
   EquilibriumOptions options_;
   EquilibriumResult result_;
+  Selection last_;  ///< Of the last pose that was not singular.
   int blind_steps_ = 0;
 };
 
@@ -214,6 +234,21 @@ std::vector<JointReaction> compute_rest_reactions(const std::shared_ptr<const Dy
   compute_equations(*model, state, eq);
   const VectorXd rest = VectorXd::Zero(model->system->nv);
   return ReactionSolver(model, distribution).solve(state, eq, selection, rest, lambda, u, axes, outcome);
+}
+
+ModelSpec with_initial_pose(ModelSpec spec, const System& system, const State& state) {
+  spec.initial.clear();
+  for (std::size_t i = 1; i < system.nodes.size(); ++i) {
+    const Node& node = system.nodes[i];
+    const JointId id = system.topology->forest.nodes[i].joint;
+    if (!id.valid() || node.nq == 0) continue;
+    InitialSpec initial;
+    initial.joint = system.model->joint(id).name;
+    initial.guess = true;
+    for (int k = 0; k < node.nq; ++k) initial.position.emplace_back(state.q[node.q + k]);
+    spec.initial.push_back(std::move(initial));
+  }
+  return spec;
 }
 
 std::vector<std::string> passed_limits(const System& system, const State& state) {

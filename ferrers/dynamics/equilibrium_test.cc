@@ -181,7 +181,8 @@ TEST(EquilibriumTest, RandomMechanismsComeToRest) {
     }
     ++found;
     const double acceleration = witness_acceleration(probe, rest.state) / kGravity;
-    EXPECT_LE(acceleration, 1e-9) << seed;
+    const bool singular = rest.stability.stability == Stability::kUnknown;
+    EXPECT_LE(acceleration, singular ? 1e-5 : 1e-9) << seed;
     EXPECT_NE(rest.stability.stability, Stability::kUnstable) << seed;
   }
   EXPECT_GE(found, all / 2);

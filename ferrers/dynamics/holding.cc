@@ -26,11 +26,7 @@ HoldingSystem make_system(const DynamicsModel& model, const ReducedMotion& motio
   }
   out.unit = VectorXd::Ones(static_cast<long>(out.drives.size()));
   for (std::size_t k = 0; k < out.drives.size(); ++k) {
-    const DriveComponent& drive = model.drives[out.drives[k]];
-    if (drive.kind != Drive::Kind::kCoordinate) continue;
-    const Joint& joint = model.system->model->joint(drive.coordinate.joint);
-    const CoordinateKind kind = joint_type_info(joint.type).coordinates[drive.coordinate.index].kind;
-    const bool angular = kind == CoordinateKind::kAngle || kind == CoordinateKind::kRotationRate;
+    const bool angular = effort_unit(model, model.drives[out.drives[k]]) != "N";
     if (angular) out.unit[static_cast<long>(k)] = scaling.length_m;
   }
   const MatrixXd X = motion.body_displacements();
@@ -53,6 +49,13 @@ std::vector<bool> holding_drives(const DynamicsModel& model) {
   for (const DriveComponent& drive : model.drives) holds.push_back(drive.motion || !drive.effort);
   const bool any = std::find(holds.begin(), holds.end(), true) != holds.end();
   return any ? holds : std::vector<bool>(holds.size(), true);
+}
+
+std::string_view effort_unit(const DynamicsModel& model, const DriveComponent& drive) {
+  if (drive.kind != Drive::Kind::kCoordinate) return "N";
+  const Joint& joint = model.system->model->joint(drive.coordinate.joint);
+  const CoordinateKind kind = joint_type_info(joint.type).coordinates[drive.coordinate.index].kind;
+  return kind == CoordinateKind::kAngle || kind == CoordinateKind::kRotationRate ? "N·m" : "N";
 }
 
 HoldingResult solve_holding_efforts(const DynamicsModel& model, const State& pose, double t) {

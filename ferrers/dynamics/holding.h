@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "ferrers/dynamics/equations.h"
@@ -44,6 +45,9 @@ struct HoldingResult {
 /// Which drives hold: all but those that have an effort law and no motion law, which act by it; all if that leaves
 /// none.
 std::vector<bool> holding_drives(const DynamicsModel& model);
+
+/// "N·m" of drives on angles, else "N".
+std::string_view effort_unit(const DynamicsModel& model, const DriveComponent& drive);
 
 /// Efforts that hold `pose` at time t.
 HoldingResult solve_holding_efforts(const DynamicsModel& model, const State& pose, double t = 0);

@@ -8,6 +8,7 @@ namespace {
 
 constexpr double kUnseen = 1e-9;  // characteristic lengths off the equilibrium
 constexpr double kRounding = 1e-14;
+constexpr double kNoise = 5;     // error estimates that are no value
 constexpr double kRest = 1e-9;   // of all forces: what may be left of them in equilibrium
 constexpr double kEqual = 1e-6;  // relative difference of parts of a mode that count as equal
 
@@ -20,24 +21,6 @@ MatrixXd turning(const System& system, const VectorXd& v, const MatrixXd& N, con
     turned.middleRows<3>(node.v) = cross_matrix(Vector3d(v.segment<3>(node.v))) * N.middleRows<3>(node.v);
   }
   return turned(independent, Eigen::all);
-}
-
-std::vector<NamedCoordinate> name_coordinates(const System& system, const Selection& selection, const VectorXd& v) {
-  std::vector<NamedCoordinate> all(static_cast<std::size_t>(system.nv));
-  for (std::size_t i = 1; i < system.nodes.size(); ++i) {
-    const Node& node = system.nodes[i];
-    const JointId id = system.topology->forest.nodes[i].joint;
-    const std::string owner = id.valid() ? system.model->joint(id).name : system.model->body(node.body).name;
-    for (int k = 0; k < node.nv; ++k) {
-      const CoordinateInfo& info = node.type->coordinates[k];
-      const bool angular = info.kind == CoordinateKind::kAngle || info.kind == CoordinateKind::kRotationRate;
-      all[node.v + k] = {owner + "." + std::string(info.name),
-                         angular ? NamedCoordinate::Unit::kRadian : NamedCoordinate::Unit::kMetre, v[node.v + k]};
-    }
-  }
-  std::vector<NamedCoordinate> chosen;
-  for (const int i : selection.independent) chosen.push_back(all[static_cast<std::size_t>(i)]);
-  return chosen;
 }
 
 // Along every principal direction: what force is left is rounding, or the reach of one too small to be seen.
@@ -95,6 +78,18 @@ void fail(LinearizationStatus status, std::string message, Linearization& out) {
   out.message = std::move(message);
 }
 
+// A without the entries that are nothing but the error of their difference: a zero must not become a frequency.
+MatrixXd without_noise(const ReducedDerivatives& d, MatrixXd A) {
+  const long w = A.rows() / 2;
+  const auto clean = [](const MatrixXd& error, auto block) {
+    block =
+        (block.cwiseAbs().array() <= kNoise * error.array()).select(MatrixXd::Zero(error.rows(), error.cols()), block);
+  };
+  clean(d.acceleration_s.error, A.bottomLeftCorner(w, w));
+  clean(d.acceleration_v.error, A.bottomRightCorner(w, w));
+  return A;
+}
+
 void add_matrices(const System& system, const ReducedMotion& motion, const ReducedDerivatives& d, const VectorXd& z,
                   Linearization& out) {
   const long w = motion.w();
@@ -130,7 +125,7 @@ Linearization linearize(const DynamicsModel& model, const State& state) {
   compute_kinematics(model, state, eq);
   out.selection = select_independent(system, scaling, eq.constraints);
   ReducedMotion motion(model, scaling, state, out.selection);
-  out.coordinates = name_coordinates(system, out.selection, state.v);
+  out.coordinates = name_independent(system, out.selection, state.v);
   VectorXd z;
   if (!motion.accelerations(z)) {
     fail(LinearizationStatus::kSingularMass, "some motion has no inertia: the mass matrix is singular", out);
@@ -151,9 +146,10 @@ Linearization linearize(const DynamicsModel& model, const State& state) {
     out.stability = verdict;
     out.modal = analyze_modes_at_rest(out.M, out.K, out.C, out.stability.neutral, out.stability.unstable);
   } else {
-    out.modal = analyze_modes(out.M, out.A);
+    out.modal = analyze_modes(out.M, without_noise(d, out.A));
   }
   add_shapes(system, scaling, out);
+  if (!model.frictions.empty()) out.notices.emplace_back("dry friction is left out: it has no linear law");
   return out;
 }
 

@@ -262,6 +262,15 @@ TEST(LinearizationTest, GyroscopicForcesSplitTheModesOfASpinningTop) {
   EXPECT_EQ(found, 1);
 }
 
+TEST(LinearizationTest, AwayFromEquilibriumNothingBecomesAFrequencyByRounding) {
+  const Linearization linear = at_start(make_pendulum());  // level: the torque is at its largest, its slope zero
+  EXPECT_TRUE(linear.at_rest);
+  EXPECT_FALSE(linear.is_equilibrium);
+  EXPECT_NEAR(linear.drift[1], -kGravity, 1e-12);
+  ASSERT_EQ(linear.modal.modes.size(), 2u);
+  for (const Mode& mode : linear.modal.modes) EXPECT_EQ(mode.kind, ModeKind::kNeutral);
+}
+
 TEST(LinearizationTest, SingularPosesAndMotionsWithoutInertiaAreSaid) {
   const EngineProbe flat(make_n_four_bar(2, M_PI / 2));
   EXPECT_EQ(linearize(*flat.dynamics, flat.start()).status, LinearizationStatus::kSingularPose);

@@ -180,8 +180,9 @@ ModalAnalysis analyze_modes(const MatrixXd& M, const MatrixXd& A) {
   for (int i = 0; i < 2; ++i) {
     for (int k = 0; k < 2; ++k) A_m.block(i * w, k * w, w, w) = lower * A.block(i * w, k * w, w, w) * upper;
   }
-  const double rate = std::max({std::sqrt(A_m.bottomLeftCorner(w, w).norm()), A_m.bottomRightCorner(w, w).norm(),
-                                A_m.topLeftCorner(w, w).norm(), 1e-300});
+  double rate = std::max({std::sqrt(A_m.bottomLeftCorner(w, w).norm()), A_m.bottomRightCorner(w, w).norm(),
+                          A_m.topLeftCorner(w, w).norm()});
+  if (!(rate > 0)) rate = 1;  // nothing pulls: all neutral
   A_m.bottomLeftCorner(w, w) /= rate * rate;
   A_m.bottomRightCorner(w, w) /= rate;
   A_m.topLeftCorner(w, w) /= rate;

@@ -62,6 +62,24 @@ std::vector<NamedCoordinate> measure_rates(const System& system, const State& st
   return all;
 }
 
+std::vector<NamedCoordinate> name_independent(const System& system, const Selection& selection, const VectorXd& v) {
+  std::vector<NamedCoordinate> all(static_cast<std::size_t>(system.nv));
+  for (std::size_t i = 1; i < system.nodes.size(); ++i) {
+    const Node& node = system.nodes[i];
+    const JointId id = system.topology->forest.nodes[i].joint;
+    const std::string owner = id.valid() ? system.model->joint(id).name : system.model->body(node.body).name;
+    for (int k = 0; k < node.nv; ++k) {
+      const CoordinateInfo& info = node.type->coordinates[k];
+      const bool angular = info.kind == CoordinateKind::kAngle || info.kind == CoordinateKind::kRotationRate;
+      all[node.v + k] = {owner + "." + std::string(info.name),
+                         angular ? NamedCoordinate::Unit::kRadian : NamedCoordinate::Unit::kMetre, v[node.v + k]};
+    }
+  }
+  std::vector<NamedCoordinate> chosen;
+  for (const int i : selection.independent) chosen.push_back(all[static_cast<std::size_t>(i)]);
+  return chosen;
+}
+
 std::string name_motion(const System& system, const Scaling& scaling, const State& state, const VectorXd& v,
                         std::string_view unit_suffix) {
   std::vector<NamedCoordinate> all = measure_rates(system, state, v);

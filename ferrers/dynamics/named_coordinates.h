@@ -6,6 +6,7 @@
 
 #include "ferrers/dynamics/dynamics_model.h"
 #include "ferrers/kinematics/scaling.h"
+#include "ferrers/redundancy/analysis.h"
 
 /// Problem: positions and motions are found in tree coordinates; people think in joints, those that close loops too.
 ///
@@ -26,6 +27,9 @@ std::vector<NamedCoordinate> measure_positions(const System& system, const State
 /// Rates of all joints' coordinates when the tree coordinates move with `v` (nv); rotations of spherical and free
 /// joints as omega_x … in first-body axes.
 std::vector<NamedCoordinate> measure_rates(const System& system, const State& state, const VectorXd& v);
+
+/// The independent coordinates of a selection, with their rates in `v` (nv).
+std::vector<NamedCoordinate> name_independent(const System& system, const Selection& selection, const VectorXd& v);
 
 /// The coordinates that take the largest part in a motion, most first, each with its value and the suffix of its unit:
 /// "pivot.angle (-9.81 rad/s²), …".
