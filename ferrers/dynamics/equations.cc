@@ -52,55 +52,78 @@ Equations make_equations(const DynamicsModel& model, std::vector<int> driven) {
   eq.idle_efforts = MatrixXd::Zero(model.nu(), 0);
   eq.idle_lambda = MatrixXd::Zero(system.m, 0);
   eq.composites.resize(system.nodes.size());
+  for (const NodeInertia& body : model.inertias) {  // parallel axes: I = I_c + m (|c|² 1 − c cᵀ)
+    const Vector3d& c = body.com_N;
+    eq.inertias_N.push_back(body.I_N + body.mass_kg * (c.squaredNorm() * Matrix3d::Identity() - c * c.transpose()));
+  }
   eq.applied.assign(system.nodes.size(), Wrenches::Zero(6, 1));
   return eq;
 }
 
 namespace {
 
-// World inertias of the single bodies, about their node's origin.
+// I w for a symmetric tensor.
+Vector3d times(const Equations::Composite& c, const Vector3d& w) {
+  const Vector3d &d = c.diagonal, &p = c.products;
+  return {d[0] * w[0] + p[2] * w[1] + p[1] * w[2], p[2] * w[0] + d[1] * w[1] + p[0] * w[2],
+          p[1] * w[0] + p[0] * w[1] + d[2] * w[2]};
+}
+
+// R I Rᵀ, only its six entries; written out because it is most of the work of a small mechanism.
+void rotate_inertia(const Matrix3d& R, const Matrix3d& I, Equations::Composite& c) {
+  double T[3][3];
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) T[i][j] = R(i, 0) * I(0, j) + R(i, 1) * I(1, j) + R(i, 2) * I(2, j);
+  }
+  const auto entry = [&](int i, int j) { return T[i][0] * R(j, 0) + T[i][1] * R(j, 1) + T[i][2] * R(j, 2); };
+  c.diagonal = {entry(0, 0), entry(1, 1), entry(2, 2)};
+  c.products = {entry(1, 2), entry(0, 2), entry(0, 1)};
+}
+
+// The single bodies, about their node's origin O: inertia in world axes, and the wrench of what their bias acceleration
+// takes, with I about O: I α + ω × I ω + m r × (a_O − g) and m (a_O − g + α × r + ω × (ω × r)).
 void load_composites(const DynamicsModel& model, const PositionKinematics& pos, bool with_wrench,
-                     const VelocityKinematics& vel, std::vector<Equations::Composite>& composites) {
+                     const VelocityKinematics& vel, const std::vector<Matrix3d>& inertias_N,
+                     std::vector<Equations::Composite>& composites) {
   const Vector3d gravity = model.system->model->gravity();
   for (std::size_t i = 1; i < composites.size(); ++i) {
     const NodeInertia& body = model.inertias[i];
     const Matrix3d& R = pos.nodes[i].R;
     Equations::Composite& c = composites[i];
-    const Vector3d r = R * body.com_N;
-    const Matrix3d I_c = R * body.I_N * R.transpose();
-    const double m = body.mass_kg;
-    c.mass = m;
-    c.first_moment = m * r;
-    // Parallel axes: I = I_c + m (|r|² 1 − r rᵀ).
-    c.inertia = I_c - c.first_moment * r.transpose();
-    c.inertia.diagonal().array() += c.first_moment.dot(r);
+    c.mass = body.mass_kg;
+    c.first_moment.noalias() = R * (body.mass_kg * body.com_N);
+    rotate_inertia(R, inertias_N[i], c);
     if (!with_wrench) continue;
     const VelocityKinematics::NodeVelocity& k = vel.nodes[i];
-    const Vector3d force = m * (k.a + k.alpha.cross(r) + k.w.cross(k.w.cross(r)) - gravity);
-    const Vector3d spin = I_c * k.alpha + k.w.cross(I_c * k.w);
-    c.wrench.head<3>() = spin + r.cross(force);
-    c.wrench.tail<3>() = force;
+    const Vector3d& s = c.first_moment;
+    const Vector3d a = k.a - gravity;
+    c.moment = times(c, k.alpha) + k.w.cross(times(c, k.w)) + s.cross(a);
+    c.force = c.mass * a + k.alpha.cross(s) + k.w.cross(k.w.cross(s));
   }
 }
 
 // Adds a child's composite to its parent's: everything moves from the child's origin to the parent's, r away.
 void shift_to_parent(const Equations::Composite& child, const Vector3d& r, Equations::Composite& parent) {
-  // I' = I − [r]×[s]× − [s]×[r]× − m [r]×[r]×, with [a]×[b]× = b aᵀ − (a·b) 1.
-  const Vector3d& s = child.first_moment;
-  parent.inertia += child.inertia - s * r.transpose() - r * s.transpose() - child.mass * r * r.transpose();
-  parent.inertia.diagonal().array() += 2 * r.dot(s) + child.mass * r.squaredNorm();
+  // I' = I − [r]×[s]× − [s]×[r]× − m [r]×[r]× = I + 2 (t·r) 1 − t rᵀ − r tᵀ with t = s + ½ m r.
+  const Vector3d t = child.first_moment + 0.5 * child.mass * r;
+  const double twice = 2 * t.dot(r);
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3, k = (i + 2) % 3;
+    parent.diagonal[i] += child.diagonal[i] + twice - 2 * t[i] * r[i];
+    parent.products[i] += child.products[i] - t[j] * r[k] - r[j] * t[k];
+  }
   parent.mass += child.mass;
-  parent.first_moment += s + child.mass * r;
-  parent.wrench.head<3>() += child.wrench.head<3>() + r.cross(child.wrench.tail<3>());
-  parent.wrench.tail<3>() += child.wrench.tail<3>();
+  parent.first_moment += child.first_moment + child.mass * r;
+  parent.moment += child.moment + r.cross(child.force);
+  parent.force += child.force;
 }
 
 // One column of M: the composite's momentum for a unit rate, worked on by every joint between it and ground.
 void fill_mass_column(const System& system, const PositionKinematics& pos, const Equations::Composite& c, int index,
                       int column, MatrixXd& M) {
-  const Twist& S = pos.S[column];
-  Vector3d force = c.mass * S.tail<3>() - c.first_moment.cross(S.head<3>());
-  Vector3d moment = c.inertia * S.head<3>() + c.first_moment.cross(S.tail<3>());
+  const Vector3d w = pos.S[column].head<3>(), v = pos.S[column].tail<3>();
+  const Vector3d force = c.mass * v - c.first_moment.cross(w);
+  Vector3d moment = times(c, w) + c.first_moment.cross(v);
   int i = index;
   while (true) {
     const Node& node = system.nodes[i];
@@ -117,13 +140,13 @@ void fill_mass_column(const System& system, const PositionKinematics& pos, const
 
 void sweep(const DynamicsModel& model, Equations& eq, bool with_bias) {
   const System& system = *model.system;
-  load_composites(model, eq.pos, with_bias, eq.vel, eq.composites);
+  load_composites(model, eq.pos, with_bias, eq.vel, eq.inertias_N, eq.composites);
   for (int i = static_cast<int>(system.nodes.size()) - 1; i > 0; --i) {
     const Node& node = system.nodes[i];
     const Equations::Composite& c = eq.composites[i];
     for (int k = node.v; k < node.v + node.nv; ++k) {
       fill_mass_column(system, eq.pos, c, i, k, eq.M);
-      if (with_bias) eq.h[k] = c.wrench.dot(eq.pos.S[k]);
+      if (with_bias) eq.h[k] = c.moment.dot(eq.pos.S[k].head<3>()) + c.force.dot(eq.pos.S[k].tail<3>());
     }
     if (node.parent > 0) {
       shift_to_parent(c, eq.pos.nodes[i].p - eq.pos.nodes[node.parent].p, eq.composites[node.parent]);
@@ -160,7 +183,10 @@ void compute_kinematics(const DynamicsModel& model, const State& state, Equation
 void compute_mass_and_bias(const DynamicsModel& model, Equations& out) { sweep(model, out, true); }
 
 void compute_mass_matrix(const DynamicsModel& model, Equations& out) {
-  for (Equations::Composite& c : out.composites) c.wrench.setZero();
+  for (Equations::Composite& c : out.composites) {
+    c.moment.setZero();
+    c.force.setZero();
+  }
   sweep(model, out, false);
 }
 

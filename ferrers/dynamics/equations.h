@@ -32,12 +32,13 @@ struct Equations {
   // Work space.
   struct Composite {
     double mass = 0;
-    Vector3d first_moment;  ///< Σ m ρ about the node's origin.
-    Matrix3d inertia;       ///< About the node's origin.
-    Wrench wrench;          ///< Inertia and gravity wrench of the subtree.
+    Vector3d first_moment;        ///< Σ m ρ about the node's origin.
+    Vector3d diagonal, products;  ///< Inertia about the node's origin: xx, yy, zz and yz, xz, xy of its tensor.
+    Vector3d moment, force;       ///< Inertia and gravity wrench of the subtree.
   };
   std::vector<Composite> composites;
-  std::vector<Wrenches> applied;  ///< Per node, 6 × 1.
+  std::vector<Wrenches> applied;     ///< Per node, 6 × 1.
+  std::vector<Matrix3d> inertias_N;  ///< Of the single bodies about the node's origin, node axes: constants.
 };
 
 Equations make_equations(const DynamicsModel& model, std::vector<int> driven = {});

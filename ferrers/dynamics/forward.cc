@@ -1,11 +1,6 @@
 #include "ferrers/dynamics/forward.h"
 
 namespace ferrers {
-namespace {
-
-constexpr int kSparseFrom = 12;  // coordinates from which the sparse form is the faster one, measured
-
-}  // namespace
 
 std::string_view to_string(Formulation formulation) {
   switch (formulation) {
@@ -28,9 +23,7 @@ std::optional<Formulation> find_formulation(std::string_view name) {
   return std::nullopt;
 }
 
-Formulation recommended_formulation(const System& system) {
-  return system.nv < kSparseFrom ? Formulation::kNullSpace : Formulation::kSparse;
-}
+Formulation recommended_formulation(const System&) { return Formulation::kSparse; }
 
 std::unique_ptr<ForwardSolver> make_forward_solver(Formulation formulation, const System& system,
                                                    const Selection& selection) {

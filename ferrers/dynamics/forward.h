@@ -17,20 +17,24 @@
 /// and agrees with the others to rounding (tested).
 namespace ferrers {
 
+/// Which when, by measurement (bench/evaluation_bench.cc): the sparse form is the fastest at every size, and as
+/// accurate as the null-space form, which it equals without its zeros. The null-space form pivots its rows anew at
+/// every evaluation where the sparse form keeps its order: it is the reference. Elimination is the paper's; near a
+/// singular pose it loses twice the digits. The augmented Lagrangian needs no decision and takes contradictory rows.
 enum class Formulation {
   kNullSpace,            ///< v = N z from the selected coordinates; needs M regular on the admissible motions only.
                          ///< Cost: O(n² w + r³).
   kElimination,          ///< The paper's: dependent rows left out, multipliers from G M⁻¹ Gᵀ. Needs M regular.
                          ///< Cost: O(n³ + n r²).
   kSparse,               ///< The null-space form without zeros (forward_kkt.h). Cost: linear in local loops.
-  kAugmentedLagrangian,  ///< All rows, whatever their rank, by a penalty and multipliers iterated
-                         ///< (forward_augmented.cc). Cost: O(n³ + m n²).
+  kAugmentedLagrangian,  ///< All rows, any rank, by a penalty made exact by multipliers (forward_augmented.cc).
+                         ///< Cost: O(n³ + m n) and a few passes of O(n² + m n).
 };
 inline constexpr std::array<Formulation, 4> kFormulations = {Formulation::kNullSpace, Formulation::kElimination,
                                                              Formulation::kSparse, Formulation::kAugmentedLagrangian};
 std::string_view to_string(Formulation formulation);
 std::optional<Formulation> find_formulation(std::string_view name);
-/// The fastest accurate one for a mechanism of this size, by measurement.
+/// What to take where nothing speaks for another one; see the figures above.
 Formulation recommended_formulation(const System& system);
 
 enum class ForwardStatus {
@@ -50,13 +54,15 @@ struct ForwardResult {
 class ForwardSolver {
  public:
   virtual ~ForwardSolver() = default;
-  /// Allocates nothing.
+  /// Allocates nothing, but for the sparse form's first time: it chooses its order of elimination then.
   virtual void solve(const Equations& eq, ForwardResult& out) = 0;
   /// The same matrices with other right sides: M vdot = force + G_rᵀ lambda, G_r vdot = gamma_r, with the factors of
   /// the last `solve`, whose equations must still have the M and G they had. `gamma`: m. Allocates nothing; O(n²) where
   /// `solve` is O(n³). What projections and linearizations want.
   virtual void resolve(const VectorXd& force, const VectorXd& gamma, ForwardResult& out) = 0;
-  /// Smallest pivot of the last factorization of the chosen rows: compare it with the one when they were chosen.
+  /// Smallest pivot of the last factorization of the chosen rows: compare it with the one when they were chosen. It
+  /// falls in proportion to the distance from a pose where those rows lose rank (the augmented Lagrangian's only down
+  /// to 3e-5 of its healthy size).
   virtual double smallest_pivot() const = 0;
 };
 

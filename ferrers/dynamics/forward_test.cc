@@ -247,10 +247,5 @@ TEST(ForwardTest, AccelerationsNearASingularPoseLoseNoMoreThanTheDistance) {
   }
 }
 
-TEST(ForwardTest, SmallSystemsTakeTheNullSpaceAndLargeOnesTheSparseForm) {
-  EXPECT_EQ(recommended_formulation(*EngineProbe(make_bricard(BricardRods::kBricks)).system), Formulation::kNullSpace);
-  EXPECT_EQ(recommended_formulation(*EngineProbe(make_n_four_bar(40, 0.3)).system), Formulation::kSparse);
-}
-
 }  // namespace
 }  // namespace ferrers::witness
