@@ -1,5 +1,6 @@
 #include "ferrers/dynamics/holding.h"
 
+#include <Eigen/QR>
 #include <algorithm>
 
 #include "ferrers/dynamics/named_coordinates.h"
@@ -42,6 +43,19 @@ HoldingSystem make_system(const DynamicsModel& model, const ReducedMotion& motio
   return out;
 }
 
+// Among all efforts that do, those with the least Σ (weight · effort)²; per unit of `hold.unit`.
+VectorXd least_weighted(const DynamicsModel& model, const HoldingSystem& hold, const MatrixXd& open) {
+  const VectorXd some = solve_least_norm(hold.C, hold.b).x;
+  if (open.cols() == 0) return some;
+  VectorXd weight = hold.unit;
+  for (std::size_t k = 0; k < hold.drives.size(); ++k) {
+    weight[static_cast<long>(k)] *= model.drives[hold.drives[k]].weight;
+  }
+  const MatrixXd weighted = weight.asDiagonal() * open;
+  const VectorXd back = weighted.householderQr().solve(weight.cwiseProduct(some));
+  return some - open * back;
+}
+
 }  // namespace
 
 std::vector<bool> holding_drives(const DynamicsModel& model) {
@@ -81,7 +95,7 @@ HoldingResult solve_holding_efforts(const DynamicsModel& model, const State& pos
   const RankAnalysis rank = analyze_rank(hold.C);
   out.confident = rank.decision.confident;
   VectorXd least = VectorXd::Zero(static_cast<long>(hold.drives.size()));
-  if (hold.C.size() > 0) least = solve_least_norm(hold.C, hold.b).x;
+  if (hold.C.size() > 0) least = least_weighted(model, hold, rank.right_null);
   out.u = motion.equations().u;
   out.unique.assign(out.holds.size(), true);
   for (std::size_t k = 0; k < hold.drives.size(); ++k) {

@@ -15,8 +15,8 @@
 ///   Nᵀ (tau + B_g u_g + B_h u − h) = 0   at v = 0,
 ///
 /// u_g the efforts of the other drives, by their laws. With fewer drives than mobility some motions are held by nobody:
-/// which, and whether they start. With more, the u of least norm (moments over the characteristic length); an effort
-/// is unique where no null vector of Nᵀ B_h touches it. Redundant rows take no part; rank by math/rank, in the measure
+/// which, and whether they start. With more, the u of least Σ (weight_k u_k)², as in inverse dynamics; an effort is
+/// unique where no null vector of Nᵀ B_h touches it. Redundant rows take no part; rank by math/rank, in the measure
 /// of the bodies' displacement. Cost: O(n³).
 namespace ferrers {
 

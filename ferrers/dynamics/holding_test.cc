@@ -47,6 +47,10 @@ TEST(HoldingTest, TwoDrivesOnOneFreedomShareTheLoadInLeastNorm) {
   EXPECT_NEAR(held.u[1], alone / 2, 1e-9);
   EXPECT_FALSE(held.unique[0]);
   EXPECT_FALSE(held.unique[1]);
+  spec.drives[1].weight = Number(3.0);  // u_1 + u_2 = alone, u_1² + 9 u_2² least: 9 to 1
+  const HoldingResult weighted = hold(spec);
+  EXPECT_NEAR(weighted.u[0], 0.9 * alone, 1e-9);
+  EXPECT_NEAR(weighted.u[1], 0.1 * alone, 1e-9);
 }
 
 ModelSpec arm() {
