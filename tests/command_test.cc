@@ -230,6 +230,63 @@ TEST_F(CommandTest, OneParameterOptionTakesOneParameter) {
 }
 
 // ---------------------------------------------------------------------------------------------------------------------
+// What simulate can be asked for
+
+std::vector<std::string> last_row(const fs::path& folder) {
+  const std::vector<std::string> lines = lines_of(folder / "result.csv");
+  return {lines.front(), lines.back()};
+}
+
+TEST_F(CommandTest, ARunThatGoesOnEndsWhereTheWholeRunEnds) {
+  ASSERT_EQ(run({"simulate", bricard(), "--end", "1", "-o", "whole"}).exit_code, 0);
+  ASSERT_EQ(run({"simulate", bricard(), "--end", "0.5", "-o", "half"}).exit_code, 0);
+  ASSERT_EQ(run({"simulate", bricard(), "--end", "1", "--restart", "half", "-o", "rest"}).exit_code, 0);
+  const std::vector<std::string> whole = last_row(folder_ / "whole"), rest = last_row(folder_ / "rest");
+  EXPECT_EQ(whole[0], rest[0]);
+  EXPECT_EQ(lines_of(folder_ / "rest/result.csv").size(), 1u + 51u);
+  std::istringstream a(whole[1]), b(rest[1]);
+  std::string x, y;
+  while (std::getline(a, x, ',') && std::getline(b, y, ',')) EXPECT_NEAR(std::stod(x), std::stod(y), 1e-9);
+}
+
+TEST_F(CommandTest, AFolderThatIsNoRunOfTheModelIsRefusedWithTheReason) {
+  const Result missing = run({"simulate", bricard(), "--restart", "nowhere", "-o", "out"});
+  EXPECT_EQ(missing.exit_code, 3);
+  EXPECT_THAT(missing.errors, HasSubstr("nowhere"));
+  ASSERT_EQ(
+      run({"simulate", (kExamples / "pendulum-a01/model.yaml").string(), "--end", "0.1", "-o", "other"}).exit_code, 0);
+  const Result other = run({"simulate", bricard(), "--restart", "other", "-o", "out"});
+  EXPECT_EQ(other.exit_code, 3);
+  EXPECT_THAT(other.errors, HasSubstr("J1.angle"));
+}
+
+TEST_F(CommandTest, DrivenDrivesFollowTheirLawsInASimulation) {
+  const std::string model = (kExamples / "four-bar-driven/model.yaml").string();
+  ASSERT_EQ(run({"simulate", model, "--driven", "--end", "0.5", "-o", "driven"}).exit_code, 0);
+  ASSERT_EQ(run({"inverse", model, "--end", "0.5", "-o", "inverse"}).exit_code, 0);
+  const std::vector<std::string> a = last_row(folder_ / "driven"), b = last_row(folder_ / "inverse");
+  EXPECT_EQ(a[0], b[0]);
+  std::istringstream x(a[1]), y(b[1]);
+  std::string left, right;
+  while (std::getline(x, left, ',') && std::getline(y, right, ',')) {
+    EXPECT_NEAR(std::stod(left), std::stod(right), 1e-7 * std::max(1.0, std::abs(std::stod(right))));
+  }
+}
+
+TEST_F(CommandTest, TheSummaryOfASimulationHasItsBalancesAndItsErrorEstimate) {
+  const Result result = run({"simulate", bricard(), "--end", "1", "--json"});
+  ASSERT_EQ(result.exit_code, 0);
+  const ordered_json json = result.json();
+  EXPECT_LT(std::abs(json.at("balance").at("error_J").get<double>()), 1e-10);
+  EXPECT_LT(json.at("error_estimate").get<double>(), 1e-8);
+  EXPECT_EQ(json.at("momentum").at("linear_kgmps").at("start").size(), 3u);
+  EXPECT_TRUE(json.at("events").is_array());
+  EXPECT_THAT(json.at("method").get<std::string>(), HasSubstr("dormand-prince-8"));
+  const ordered_json quick = run({"simulate", bricard(), "--end", "1", "--quick", "--json"}).json();
+  EXPECT_TRUE(quick.at("error_estimate").is_null());
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
 // Models with errors, and mechanisms that do not close
 
 TEST_F(CommandTest, AllErrorsOfAModelAreOnStderrWithTheirLines) {

@@ -117,6 +117,59 @@ std::string distribution_text(const DistributionSummary& distribution) {
   return text;
 }
 
+// What should not change, and by how much it did.
+std::string conserved(std::string_view what, std::string_view unit, const Vector3d& start, const Vector3d& change,
+                      double scale) {
+  constexpr double kConstant = 1e-9;
+  std::string text;
+  for (int i = 0; i < 3; ++i) {
+    if (!(scale > 0) || change[i] > kConstant * scale || std::abs(start[i]) <= kConstant * scale) continue;
+    text += fmt::format("{}{} {} {} {}, changed by at most {}", text.empty() ? "" : "; ", what, "xyz"[i],
+                        number(start[i]), unit, rough(change[i]));
+  }
+  return text;
+}
+
+std::string witnesses_text(const RunSummary& summary) {
+  std::string text;
+  if (summary.error_estimate) {
+    text += line("accuracy", fmt::format("positions differ by {} (rad, or characteristic lengths) from a run with ten "
+                                         "times the tolerance",
+                                         rough(*summary.error_estimate)));
+  }
+  if (summary.work && (summary.work->drives != 0 || summary.work->others != 0)) {
+    text += line("work", fmt::format("of drives {} J, of dampers, friction and loads {} J; the balance of energy is off "
+                                     "by {} J",
+                                     number(summary.work->drives), number(summary.work->others),
+                                     rough(summary.balance_error)));
+  }
+  if (summary.momentum) {
+    const MomentumSummary& m = *summary.momentum;
+    const std::string linear = conserved("momentum", "kg·m/s", m.linear_start, m.linear_change, m.linear_scale);
+    const std::string angular =
+        conserved("angular momentum", "kg·m²/s", m.angular_start, m.angular_change, m.angular_scale);
+    if (!linear.empty()) text += line("constant", linear);
+    if (!angular.empty()) text += line("constant", angular);
+  }
+  return text;
+}
+
+std::string events_text(const RunSummary& summary) {
+  std::string text;
+  const std::size_t shown = std::min(summary.events.size(), kMostDecisions);
+  for (std::size_t i = 0; i < shown; ++i) {
+    const EventRecord& one = summary.events[i];
+    const std::string what = !one.message.empty()                           ? one.message
+                             : one.action == EventSpec::Action::kStop ? "the run ends"
+                                                                            : "a row of its own";
+    text += line(i == 0 ? "events" : "", fmt::format("t = {:.9g} s: '{}': {}", one.t, one.name, what));
+  }
+  if (shown < summary.events.size()) {
+    text += line("", fmt::format("and {} more, in summary.json", summary.events.size() - shown));
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string run_text(const RunDocument& document, long rows, const std::string& files, const Style& style) {
@@ -133,7 +186,8 @@ std::string run_text(const RunDocument& document, long rows, const std::string& 
                                        number(summary.energy_start), rough(summary.energy_end - summary.energy_start),
                                        number(summary.energy_min), number(summary.energy_max)));
   }
-  text += decisions_text(summary) + singular_text(summary);
+  if (document.verb == "simulate") text += witnesses_text(summary);
+  text += decisions_text(summary) + singular_text(summary) + events_text(summary);
   for (const std::string& notice : summary.notices) text += line("note", notice);
   if (document.with_reactions) text += distribution_text(summary.distribution);
   text += drives_text(document, style);

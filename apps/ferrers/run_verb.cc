@@ -193,6 +193,8 @@ int conclude(const RunSummary& summary, long rows, LoadedModel& loaded) {
   switch (summary.status) {
     case RunStatus::kFinished:
       return kExitDone;
+    case RunStatus::kStoppedByEvent:
+      return kExitDone;
     case RunStatus::kStopped:
       return stop_asked ? kExitInterrupted : kExitDone;
     case RunStatus::kNotAssembled:

@@ -2,9 +2,11 @@
 
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
+#include <filesystem>
 #include <memory>
 #include <vector>
 
+#include "ferrers/io/run_restart.h"
 #include "run_verb.h"
 #include "verbs.h"
 
@@ -15,18 +17,14 @@ namespace {
 struct Options {
   RunOptions run;
   SimulationOptions simulation;
+  std::string restart;
+  bool quick = false;
 };
 
-std::vector<std::string> integrator_names() {
-  std::vector<std::string> names;
-  for (const Integrator one : {Integrator::kRungeKutta4, Integrator::kConstantAcceleration}) {
-    names.emplace_back(to_string(one));
-  }
-  return names;
-}
-
 std::vector<std::string> formulation_names() {
-  return {std::string(to_string(Formulation::kNullSpace)), std::string(to_string(Formulation::kElimination))};
+  std::vector<std::string> names;
+  for (const Formulation one : kFormulations) names.emplace_back(to_string(one));
+  return names;
 }
 
 void add_method_options(CLI::App& verb, Options& options) {
@@ -35,7 +33,7 @@ void add_method_options(CLI::App& verb, Options& options) {
           [&options](const std::string& name) {
             if (const auto found = find_integrator(name)) options.simulation.integrator = *found;
           },
-          fmt::format("{} [runge-kutta-4]", fmt::join(integrator_names(), " or ")))
+          fmt::format("{} [the first]", fmt::join(integrator_names(), ", ")))
       ->type_name("NAME")
       ->check(one_of(integrator_names()));
   verb.add_option_function<double>(
@@ -44,23 +42,29 @@ void add_method_options(CLI::App& verb, Options& options) {
       ->check(positive_number());
   verb.add_option_function<double>(
           "--tolerance", [&options](const double& value) { options.simulation.tolerance = value; },
-          "local error per second, of steps that adapt [1e-10]; not with --step")
+          "what positions may be off by, rad or characteristic lengths, with steps that adapt [1e-9]; not with --step")
       ->type_name("TOL")
       ->check(positive_number());
   verb.add_option_function<std::string>(
           "--formulation",
-          [&options](const std::string& name) {
-            const bool elimination = name == to_string(Formulation::kElimination);
-            options.simulation.formulation = elimination ? Formulation::kElimination : Formulation::kNullSpace;
-          },
-          "null-space, or elimination as in the paper [null-space]")
+          [&options](const std::string& name) { options.simulation.formulation = find_formulation(name); },
+          fmt::format("{} [by the size of the mechanism]", fmt::join(formulation_names(), ", ")))
       ->type_name("NAME")
       ->check(one_of(formulation_names()));
+  verb.add_flag("--driven", options.simulation.driven, "drives with a motion law follow it, the others act by their effort");
+  verb.add_option("--restart", options.restart, "go on from where the run in this folder ended")->type_name("FOLDER");
+  verb.add_flag("--quick", options.quick, "without the second run that estimates the error");
 }
 
 int simulate_model(const Options& options) {
   if (options.simulation.step && options.simulation.tolerance) {
     return command_line_error("--step fixes the step, --tolerance adapts it: take one of them");
+  }
+  if (!options.restart.empty()) {
+    std::error_code ignored;
+    if (std::filesystem::equivalent(options.restart, options.run.folder, ignored)) {
+      return command_line_error("--restart and -o name the same folder: take another -o");
+    }
   }
   RunTask task;
   task.verb = "simulate";
@@ -69,6 +73,17 @@ int simulate_model(const Options& options) {
     simulation.grid = options.run.grid;
     simulation.axes = options.run.axes;
     simulation.distribution = options.run.distribution;
+    simulation.estimate_error = !options.quick;
+    if (!options.restart.empty()) {
+      RestartResult restart = read_restart(*model->system, options.restart);
+      if (!restart.state) {
+        RunSummary summary;
+        summary.status = RunStatus::kUnsupported;
+        summary.message = "--restart: " + restart.error;
+        return summary;
+      }
+      simulation.start = std::move(restart.state);
+    }
     return simulate(std::move(model), simulation, control);
   };
   return execute(task, options.run);
@@ -86,6 +101,7 @@ void add_simulate(CLI::App& command, Job& job) {
       "  ferrers simulate examples/bricard-a04/model.yaml --end 10 -o out/a04\n"
       "  ferrers simulate door.yaml -p width='0.9 m' --every 0.001 --json\n"
       "  ferrers simulate door.yaml --distribute equal --stiffness-range 0.5:2\n"
+      "  ferrers simulate press.yaml --driven --end 5 -o out/a; ferrers simulate press.yaml --driven --restart out/a\n"
       "  ferrers simulate door.yaml --integrator constant-acceleration --step 0.0005\n"
       "\nWrites result.csv, reactions.csv, summary.json and the model file as run. Ctrl-C keeps what is done.\n"
       "Exit codes: 0 done; 3 the model has errors; 4 it cannot be assembled; 5 the integration failed; 130 "

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <optional>
 
+#include "ferrers/dynamics/free_motions.h"
 #include "ferrers/dynamics/least_effort.h"
 
 namespace ferrers {
@@ -16,12 +17,6 @@ namespace {
 // How well laws that are given twice must agree, positions relative to the model's size, rates and accelerations
 // relative to the motion: tables and measured laws agree to their digits only, above all in their derivatives.
 constexpr double kAgreement[3] = {1e-8, 1e-6, 1e-4};
-
-std::string joined(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : " ") + name;
-  return text;
-}
 
 std::string quoted(const std::vector<std::string>& names) {
   std::string text;
@@ -362,54 +357,9 @@ struct PrescribedMotion::Impl {
     const RankAnalysis analysis = analyze_rank(all, 1.0);
     if (analysis.decision.rank == system.nv) return;
     current.status = PrescribedStatus::kUndriven;
-    current.message = describe_free_motions(analysis.right_null);
-  }
-
-  // Names the joint coordinates that move in `free` (nv × d, scaled), and those to drive.
-  std::string describe_free_motions(const MatrixXd& free) {
-    std::vector<std::string> moving, best;
-    std::vector<JointCoordinate> coordinates;
-    std::vector<Eigen::RowVectorXd> rows;
-    for (std::size_t j = 0; j < system.model->joints().size(); ++j) {
-      const JointTypeInfo& type = joint_type_info(system.model->joints()[j].type);
-      for (int k = 0; k < static_cast<int>(type.coordinates.size()); ++k) {
-        const bool angle = type.coordinates[k].kind == CoordinateKind::kAngle;
-        if (!angle && type.coordinates[k].kind != CoordinateKind::kDisplacement) continue;
-        const CoordinateAccess access = system.access({JointId(j), k});
-        const Jet jet = measure_coordinate(system, access, current.state, eq.pos, eq.vel);
-        Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(system.nv);
-        add_coordinate_row(system, access, eq.pos, jet, angle ? scaling.length_m : 1.0, row);
-        const Eigen::RowVectorXd motion = row * scaling.columns.asDiagonal() * free;
-        if (is_negligible(motion.norm(), 1.0)) continue;
-        coordinates.push_back({JointId(j), k});
-        moving.push_back(system.model->coordinate_name({JointId(j), k}));
-        rows.push_back(motion);
-      }
-    }
-    const auto missing = static_cast<int>(free.cols());
-    MatrixXd motions(static_cast<long>(rows.size()), free.cols());
-    for (std::size_t i = 0; i < rows.size(); ++i) motions.row(static_cast<long>(i)) = rows[i];
-    const int reach = rows.empty() ? 0 : analyze_rank(motions, 1.0).decision.rank;
-    if (reach > 0) {
-      for (const int i : choose_independent_rows(motions, reach)) {
-        best.push_back(moving[static_cast<std::size_t>(i)]);
-        current.to_drive.push_back(coordinates[static_cast<std::size_t>(i)]);
-      }
-    }
-    std::string text = fmt::format("the drives leave {} motion(s) free", missing);
-    if (moving.empty()) {
-      for (int v = 0; v < system.nv; ++v) {
-        if (!is_negligible(free.row(v).norm(), 1.0)) moving.push_back(system.coordinate_names[v]);
-      }
-    }
-    text += "; still moving: " + joined(moving);
-    if (!best.empty())
-      text += "; a drive with a 'motion' on " + quoted(best) + " would determine " +
-              (reach < missing ? "a part of it"
-               : missing > 1   ? "them"
-                               : "it");
-    if (reach < missing) text += "; what turns or moves in a spherical or free joint takes a drive on a recorded point";
-    return text;
+    FreeMotions found = find_free_motions(system, scaling, current.state, eq.pos, eq.vel, analysis.right_null);
+    current.to_drive = std::move(found.to_drive);
+    current.message = std::move(found.message);
   }
 
   // ---- efforts --------------------------------------------------------------------------------------------------

@@ -274,6 +274,10 @@ TEST(LinearizationTest, AwayFromEquilibriumNothingBecomesAFrequencyByRounding) {
 TEST(LinearizationTest, SingularPosesAndMotionsWithoutInertiaAreSaid) {
   const EngineProbe flat(make_n_four_bar(2, M_PI / 2));
   EXPECT_EQ(linearize(*flat.dynamics, flat.start()).status, LinearizationStatus::kSingularPose);
+  for (const LegEnds ends : {LegEnds::kRods, LegEnds::kSphericalSpherical}) {  // branches that part in third order
+    const EngineProbe legs(make_six_legs(ends));
+    EXPECT_EQ(linearize(*legs.dynamics, legs.start()).status, LinearizationStatus::kSingularPose);
+  }
   ModelSpec spec = make_pendulum();
   spec.bodies[0].mass = Number(0.0);
   const EngineProbe massless(spec);

@@ -70,6 +70,7 @@ double ReducedMotion::residual(bool all) const {
 }
 
 bool ReducedMotion::move(const VectorXd& ds, const VectorXd& dv, State& out) {
+  left_open_ = false;
   out = base_;
   out.v.setZero();
   displace(system_, base_N_ * ds, out.q);
@@ -87,7 +88,8 @@ bool ReducedMotion::move(const VectorXd& ds, const VectorXd& dv, State& out) {
     if (!(step.cwiseQuotient(scaling_.columns).cwiseAbs().maxCoeff() <= scaling_.length_m)) return false;
     displace(system_, step, out.q);
   }
-  if (!(residual(true) <= std::max(kOpen * closed_tolerance(scaling_), 10 * base_residual_))) return false;
+  left_open_ = !(residual(true) <= std::max(kOpen * closed_tolerance(scaling_), 10 * base_residual_));
+  if (left_open_) return false;
   accept_winding(system_, eq_.pos, out);
   out.v(selection_.independent) = base_.v(selection_.independent) + dv;
   if (selection_.rows.empty()) return true;
@@ -166,8 +168,14 @@ bool has_coordinates(ReducedMotion& motion, const MatrixXd& X, double length_m) 
     }
     State state;
     bool reached = false;
-    for (double share = 1; share > 0.05 && !reached; share /= 2) {
-      reached = motion.move(share * ds, VectorXd::Zero(w), state) && motion.move(-share * ds, VectorXd::Zero(w), state);
+    int open = 0;  // steps after which only rows left out stay open: a short one could hide behind the tolerance
+    for (double share = 1; share > 1e-3 && !reached && open < 2; share /= 2) {
+      reached = true;
+      for (const double way : {share, -share}) {
+        if (!reached || motion.move(way * ds, VectorXd::Zero(w), state)) continue;
+        reached = false;
+        open += motion.left_rows_open() ? 1 : 0;
+      }
     }
     if (!reached) return false;
   }

@@ -44,6 +44,9 @@ class ReducedMotion {
   /// where the loops do not follow, or rows left out open: the redundancy, or this very pose, is singular.
   bool move(const VectorXd& ds, const VectorXd& dv, State& out);
 
+  /// The last `move` failed for rows left out: those chosen closed.
+  bool left_rows_open() const { return left_open_; }
+
   /// Displacements of all bodies per unit of each independent coordinate, at the state last evaluated: per body the
   /// turn times the characteristic length, then the displacement of the mass centre, m; 6·bodies × w. Called X,
   /// XᵀX measures motions without any choice of coordinates.
@@ -69,6 +72,7 @@ class ReducedMotion {
   Equations eq_;
   MatrixXd base_N_;
   double base_residual_ = 0;
+  bool left_open_ = false;
   Eigen::PartialPivLU<MatrixXd> lu_;
   VectorXd q_;  ///< Last evaluated.
   MatrixXd N_, M_r_;

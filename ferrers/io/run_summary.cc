@@ -96,6 +96,61 @@ std::string effort_unit(const DynamicsModel& model, const DriveComponent& drive)
   return kind == CoordinateKind::kAngle || kind == CoordinateKind::kRotationRate ? "N·m" : "N";
 }
 
+OrderedJson vector_value(const Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+OrderedJson balance_value(const RunSummary& summary) {
+  if (!summary.work || !summary.has_energy) return nullptr;
+  return {{"work_of_drives_J", summary.work->drives},
+          {"work_of_other_forces_J", summary.work->others},
+          {"error_J", summary.balance_error}};
+}
+
+OrderedJson momentum_value(const std::optional<MomentumSummary>& momentum) {
+  if (!momentum) return nullptr;
+  const auto part = [](const Vector3d& start, const Vector3d& end, const Vector3d& change) -> OrderedJson {
+    return {{"start", vector_value(start)}, {"end", vector_value(end)}, {"largest_change", vector_value(change)}};
+  };
+  return {{"linear_kgmps", part(momentum->linear_start, momentum->linear_end, momentum->linear_change)},
+          {"angular_kgm2ps", part(momentum->angular_start, momentum->angular_end, momentum->angular_change)}};
+}
+
+std::string_view action_name(EventSpec::Action action) {
+  switch (action) {
+    case EventSpec::Action::kStop:
+      return "stop";
+    case EventSpec::Action::kRecord:
+      return "record";
+    case EventSpec::Action::kSwitch:
+      break;
+  }
+  return "switch";
+}
+
+OrderedJson event_values(const RunSummary& summary) {
+  OrderedJson all = OrderedJson::array();
+  for (const EventRecord& one : summary.events) {
+    all.push_back({{"event", one.name},
+                   {"t", one.t},
+                   {"do", action_name(one.action)},
+                   {"message", one.message.empty() ? OrderedJson() : OrderedJson(one.message)}});
+  }
+  return all;
+}
+
+OrderedJson limit_values(const RunSummary& summary) {
+  OrderedJson all = OrderedJson::array();
+  for (const LimitCrossing& one : summary.limits) {
+    all.push_back({{"joint", one.joint},
+                   {"side", one.upper ? "high" : "low"},
+                   {"limit", one.limit},
+                   {"t", one.t},
+                   {"times", one.times},
+                   {"largest_excess", one.excess},
+                   {"largest_excess_t", one.excess_t}});
+  }
+  return all;
+}
+
 void add_summary(const RunDocument& document, OrderedJson& out) {
   const RunSummary& summary = *document.summary;
   out["status"] = run_status_name(summary.status, document.interrupted);
@@ -117,6 +172,11 @@ void add_summary(const RunDocument& document, OrderedJson& out) {
                      {"max", summary.energy_max},
                      {"drift", summary.energy_end - summary.energy_start}};
   }
+  out["balance"] = balance_value(summary);
+  out["momentum"] = momentum_value(summary.momentum);
+  out["error_estimate"] = value_or_null(summary.error_estimate);
+  out["events"] = event_values(summary);
+  out["joint_limits"] = limit_values(summary);
   OrderedJson decisions = OrderedJson::array();
   for (const DecisionRecord& decision : summary.decisions) decisions.push_back(decision_value(decision));
   out["decisions"] = std::move(decisions);
@@ -166,6 +226,8 @@ std::string_view run_status_name(RunStatus status, bool interrupted) {
       return "finished";
     case RunStatus::kStopped:
       return interrupted ? "interrupted" : "stopped";
+    case RunStatus::kStoppedByEvent:
+      return "stopped";
     case RunStatus::kNotAssembled:
       return "not_assembled";
     case RunStatus::kInconsistentVelocities:
@@ -187,7 +249,8 @@ std::string_view run_status_name(RunStatus status, bool interrupted) {
 std::string write_summary_json(const RunDocument& document) {
   const bool errors = document.diagnostics != nullptr && document.diagnostics->has_errors();
   const bool ran = document.summary != nullptr && (document.summary->status == RunStatus::kFinished ||
-                                                   document.summary->status == RunStatus::kStopped);
+                                                   document.summary->status == RunStatus::kStopped ||
+                                                   document.summary->status == RunStatus::kStoppedByEvent);
   OrderedJson out;
   out["schema"] = "ferrers.run/1";
   out["verb"] = document.verb;
@@ -198,7 +261,7 @@ std::string write_summary_json(const RunDocument& document) {
   } else {
     for (const char* key : {"status", "message", "method", "t_reached", "steps", "rejected", "evaluations",
                             "smallest_step_s", "largest_step_s", "wall_time_s", "max_constraint_residual_m", "energy",
-                            "decisions", "singular_poses", "notices", "distribution", "drives", "joints"}) {
+                            "balance", "momentum", "error_estimate", "events", "joint_limits", "decisions", "singular_poses", "notices", "distribution", "drives", "joints"}) {
       out[key] = nullptr;
     }
   }

@@ -9,4 +9,11 @@ namespace ferrers {
 /// ones each self-stress leaves out one row of its own place, and the coordinates that no pivot determined are free.
 Selection select_rows_and_coordinates(const System& system, const ClusterDecision& decision);
 
+/// A selection with further rows `first_row`, first_row + 1, … of G (prescribed motions, say), which take away as many of
+/// the independent coordinates: those that they determine best on the admissible motions. `row_scale` (one per further
+/// row) and `columns` make rows comparable. `dependent_rows`: further rows that depend on each other or on the
+/// constraints; they are left out. Cost: O(r³).
+Selection extend_selection(const Selection& base, const RowMatrixXd& G, int first_row, const VectorXd& row_scale,
+                           const VectorXd& columns, std::vector<int>& dependent_rows);
+
 }  // namespace ferrers

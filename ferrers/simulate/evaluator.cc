@@ -1,23 +1,73 @@
 #include "ferrers/simulate/evaluator.h"
 
+#include <algorithm>
+#include <cmath>
+
+#include "ferrers/redundancy/selection.h"
+
 namespace ferrers {
 
-Evaluator::Evaluator(std::shared_ptr<const DynamicsModel> model, Formulation formulation)
+namespace {
+
+// Driven rows compare like the coordinates they prescribe: angles times L.
+VectorXd make_row_scale(const DynamicsModel& model, const Scaling& scaling, const std::vector<int>& driven) {
+  VectorXd out(scaling.rows.size() + static_cast<long>(driven.size()));
+  out.head(scaling.rows.size()) = scaling.rows;
+  for (std::size_t i = 0; i < driven.size(); ++i) {
+    const DriveComponent& drive = model.drives[driven[i]];
+    double scale = 1;
+    if (drive.kind == Drive::Kind::kCoordinate) {
+      const JointType type = model.system->model->joint(drive.coordinate.joint).type;
+      const CoordinateKind kind = joint_type_info(type).coordinates[drive.coordinate.index].kind;
+      if (kind == CoordinateKind::kAngle || kind == CoordinateKind::kRotationRate) scale = scaling.length_m;
+    }
+    out[scaling.rows.size() + static_cast<long>(i)] = scale;
+  }
+  return out;
+}
+
+}  // namespace
+
+Evaluator::Evaluator(std::shared_ptr<const DynamicsModel> model, Formulation formulation, std::vector<int> driven,
+                     const DistributionOptions& distribution)
     : model_(std::move(model)),
       formulation_(formulation),
       scaling_(make_scaling(*model_->system)),
-      eq_(make_equations(*model_)),
-      result_(make_forward_result(*model_->system)),
-      metric_(model_->system->nv),
-      projected_(make_constraint_kinematics(*model_->system)),
-      projected_pos_(make_position_kinematics(*model_->system)),
-      projected_vel_(make_velocity_kinematics(*model_->system)) {}
+      eq_(make_equations(*model_, std::move(driven))),
+      result_(make_forward_result(eq_)),
+      energy_pos_(make_position_kinematics(*model_->system)),
+      energy_vel_(make_velocity_kinematics(*model_->system)),
+      row_scale_(make_row_scale(*model_, scaling_, eq_.driven)),
+      no_force_(VectorXd::Zero(model_->system->nv)),
+      residual_rhs_(VectorXd::Zero(row_scale_.size())),
+      efforts_(VectorXd::Zero(model_->nu())),
+      correction_(result_),
+      friction_(model_, distribution) {}
 
-void Evaluator::use(Selection selection) {
-  selection_ = std::move(selection);
+void Evaluator::set_drives(std::vector<int> driven, std::vector<bool> off) {
+  off_ = std::move(off);
+  eq_ = make_equations(*model_, std::move(driven));
+  result_ = correction_ = make_forward_result(eq_);
+  row_scale_ = make_row_scale(*model_, scaling_, eq_.driven);
+  residual_rhs_ = VectorXd::Zero(row_scale_.size());
+}
+
+void Evaluator::use(Selection joints) {
+  joint_selection_ = std::move(joints);
+  selection_ = joint_selection_;
+  driven_conflict_.clear();
+  if (!eq_.driven.empty()) {
+    const long k = static_cast<long>(eq_.driven.size());
+    std::vector<int> dependent_rows;
+    selection_ = extend_selection(joint_selection_, eq_.constraints.G, system().m, row_scale_.tail(k), scaling_.columns,
+                                  dependent_rows);
+    for (const int row : dependent_rows) {
+      driven_conflict_ += (driven_conflict_.empty() ? "" : ", ") + model_->drives[eq_.driven[row]].name;
+    }
+  }
   solver_ = make_forward_solver(formulation_, system(), selection_);
-  projector_ = std::make_unique<Projector>(system(), scaling_, selection_.rows);
   result_.lambda.setZero();
+  correction_.lambda.setZero();
   pivot_known_ = false;
 }
 
@@ -27,7 +77,8 @@ void Evaluator::record(double t, const std::string& reason, RunSummary& summary)
   record.rank = static_cast<int>(selection_.rows.size());
   record.mobility = static_cast<int>(selection_.independent.size());
   record.reason = reason;
-  for (const int row : selection_.excluded_rows(system().m)) record.excluded_rows.push_back(system().row_names[row]);
+  for (const int row : joint_selection_.excluded_rows(system().m))
+    record.excluded_rows.push_back(system().row_names[row]);
   for (const int v : selection_.independent) record.independent_coordinates.push_back(system().coordinate_names[v]);
   summary.decisions.push_back(std::move(record));
 }
@@ -44,7 +95,7 @@ void Evaluator::decide(const State& state, const std::string& reason, RunSummary
 }
 
 ForwardStatus Evaluator::choose_again(const State& state, RunSummary& summary) {
-  const Selection previous = selection_;
+  const Selection previous = joint_selection_;
   const double healthy = healthy_pivot_;
   use(reselect(system(), scaling_, eq_.constraints, previous));
   ForwardStatus status = evaluate(state);
@@ -61,8 +112,18 @@ ForwardStatus Evaluator::choose_again(const State& state, RunSummary& summary) {
 ForwardStatus Evaluator::evaluate(const State& state) {
   ++evaluations_;
   compute_equations(*model_, state, eq_);
+  for (std::size_t i = 0; i < off_.size(); ++i) {
+    if (!off_[i]) continue;
+    eq_.force -= eq_.u[static_cast<long>(i)] * eq_.B_transposed.row(static_cast<long>(i)).transpose();
+    eq_.u[static_cast<long>(i)] = 0;
+  }
   solver_->solve(eq_, result_);
   if (result_.status != ForwardStatus::kSolved) return result_.status;
+  friction_problem_.clear();
+  if (friction_.any() && friction_.solve(state, eq_, joint_selection_, *solver_, result_) != FrictionStatus::kSolved) {
+    friction_problem_ = friction_.message();
+    return ForwardStatus::kWornSelection;
+  }
   const double pivot = solver_->smallest_pivot();
   if (!pivot_known_) healthy_pivot_ = pivot;
   pivot_known_ = true;
@@ -71,19 +132,105 @@ ForwardStatus Evaluator::evaluate(const State& state) {
   return result_.status;
 }
 
-double Evaluator::project(State& state) {
-  metric_.compute(eq_.M);
-  if (metric_.info() != Eigen::Success) {  // massless bodies: any regular metric will do
-    const VectorXd unit = scaling_.columns.cwiseInverse().cwiseAbs2();
-    metric_.compute(eq_.M + 1e-6 * eq_.M.diagonal().maxCoeff() * MatrixXd(unit.asDiagonal()));
+double Evaluator::rounding_of_positions() const {
+  double place = 0;
+  for (std::size_t i = 1; i < eq_.pos.nodes.size(); ++i) place = std::max(place, eq_.pos.nodes[i].p.squaredNorm());
+  return 2 * std::numeric_limits<double>::epsilon() * std::max(scaling_.length_m, std::sqrt(place));
+}
+
+// What it leaves in G v, m/s.
+double Evaluator::rounding_of_velocities() const {
+  double speed = 0, turn = 0;
+  for (std::size_t i = 1; i < eq_.vel.nodes.size(); ++i) {
+    speed = std::max(speed, eq_.vel.nodes[i].v.squaredNorm());
+    turn = std::max(turn, eq_.vel.nodes[i].w.squaredNorm());
   }
-  return projector_->project(metric_, state, projected_pos_, projected_vel_, projected_);
+  return 2 * std::numeric_limits<double>::epsilon() * (std::sqrt(speed) + scaling_.length_m * std::sqrt(turn));
+}
+
+double Evaluator::settle(State& state, const VectorXd* offset) {
+  normalize_quaternions(system(), state.q);
+  double before = INFINITY, rate_before = INFINITY, gap = 0;
+  for (int i = 0; i < 8; ++i) {
+    if (evaluate(state) != ForwardStatus::kSolved) return INFINITY;
+    gap = 0;
+    double rate_gap = 0;
+    const ConstraintKinematics& c = eq_.constraints;
+    for (const int row : selection_.rows) {
+      gap = std::max(gap, std::abs(c.phi[row] - (offset ? (*offset)[row] : 0)) * row_scale_[row]);
+      rate_gap = std::max(rate_gap, std::abs(c.rate[row] - c.nu[row]) * row_scale_[row]);
+    }
+    if (!std::isfinite(gap) || !std::isfinite(rate_gap)) return INFINITY;
+    const bool closed = gap <= rounding_of_positions() || (i > 1 && gap > 0.5 * before);
+    const bool calm = rate_gap <= rounding_of_velocities() || (i > 1 && closed && rate_gap > 0.5 * rate_before);
+    if (closed && calm) break;
+    before = gap;
+    rate_before = rate_gap;
+    if (!calm) {
+      residual_rhs_ = c.nu - c.rate;
+      solver_->resolve(no_force_, residual_rhs_, correction_);
+      state.v += correction_.vdot;
+    }
+    if (!closed) {
+      residual_rhs_ = -c.phi;
+      if (offset) residual_rhs_ += *offset;
+      solver_->resolve(no_force_, residual_rhs_, correction_);
+      displace(system(), correction_.vdot, state.q);
+    }
+  }
+  return gap;
+}
+
+bool Evaluator::evaluate_stage(State& state) {
+  return settles_stages_ ? std::isfinite(settle(state)) : evaluate(state) == ForwardStatus::kSolved;
+}
+
+void Evaluator::keep_admissible(VectorXd& dv) {
+  residual_rhs_.noalias() = -eq_.constraints.G * dv;
+  solver_->resolve(no_force_, residual_rhs_, correction_);
+  dv += correction_.vdot;
+}
+
+void Evaluator::restore_energy(const State& from, const Work& work, State& to) {
+  if (!eq_.driven.empty()) return;
+  const auto energy_at = [&](const State& state) {
+    compute_positions(system(), state.q, energy_pos_);
+    compute_velocities(system(), energy_pos_, state.q, state.v, energy_vel_);
+    return compute_energy(*model_, state, energy_pos_, energy_vel_);
+  };
+  const Energy before = energy_at(from), after = energy_at(to);
+  const double wrong = after.kinetic + after.gravity - before.kinetic - before.gravity - work.drives - work.others;
+  if (!(std::abs(wrong) < 1e-6 * after.kinetic)) return;
+  to.v *= std::sqrt(1 - wrong / after.kinetic);
+  evaluate(to);
+}
+
+Work Evaluator::power(const State& state) const {
+  Work out;
+  if (!model_->has_forces && model_->nu() == 0) return out;
+  for (int i = 0; i < model_->nu(); ++i) {
+    if (eq_.u[i] != 0) out.drives += eq_.u[i] * eq_.B_transposed.row(i).dot(state.v);
+  }
+  out.others = state.v.dot(eq_.force + eq_.h) - out.drives;
+  for (std::size_t i = 0; i < eq_.driven.size(); ++i) {
+    const long row = system().m + static_cast<long>(i);
+    out.drives += result_.lambda[row] * eq_.constraints.rate[row];
+  }
+  return out;
+}
+
+const VectorXd& Evaluator::efforts() {
+  efforts_ = eq_.u;
+  for (std::size_t i = 0; i < eq_.driven.size(); ++i) {
+    efforts_[eq_.driven[i]] = result_.lambda[system().m + static_cast<long>(i)];
+  }
+  return efforts_;
 }
 
 bool Evaluator::is_worn() const { return pivot_known_ && is_worn_pivot(solver_->smallest_pivot(), healthy_pivot_); }
 
 double Evaluator::left_out_residual() const {
-  return system().m > 0 ? eq_.constraints.phi.cwiseProduct(scaling_.rows).cwiseAbs().maxCoeff() : 0.0;
+  return row_scale_.size() > 0 ? eq_.constraints.phi.cwiseProduct(row_scale_).cwiseAbs().maxCoeff() : 0.0;
 }
 
 }  // namespace ferrers

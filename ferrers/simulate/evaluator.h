@@ -5,7 +5,7 @@
 #include <string>
 
 #include "ferrers/dynamics/forward.h"
-#include "ferrers/kinematics/projection.h"
+#include "ferrers/dynamics/friction.h"
 #include "ferrers/simulate/simulation.h"
 
 namespace ferrers {
@@ -17,8 +17,12 @@ namespace ferrers {
 /// the rows left out are from holding.
 class Evaluator {
  public:
-  Evaluator(std::shared_ptr<const DynamicsModel> model, Formulation formulation);
+  /// `driven`: drive components whose motion is prescribed (dynamics/equations.h).
+  Evaluator(std::shared_ptr<const DynamicsModel> model, Formulation formulation, std::vector<int> driven = {},
+            const DistributionOptions& distribution = {});
 
+  /// Drives from now on: which are prescribed, and which do not act at all. `decide` must follow.
+  void set_drives(std::vector<int> driven, std::vector<bool> off);
   /// Decides at `state` and records it.
   void decide(const State& state, const std::string& reason, RunSummary& summary);
   /// Chooses rows and coordinates anew with the rank kept, where that gives healthy pivots again; records it then.
@@ -26,8 +30,27 @@ class Evaluator {
   ForwardStatus choose_again(const State& state, RunSummary& summary);
 
   ForwardStatus evaluate(const State& state);
-  /// Projects onto the constraints in the mass metric of the last evaluation. Returns the residual left, m.
-  double project(State& state);
+  /// Brings positions and velocities onto the constraints, the nearest ones in the mass metric, and evaluates there:
+  ///   min |Δq|_M with phi_r(q ⊕ Δq) = 0,   min |Δv|_M with G_r (v + Δv) = nu_r,
+  /// by the forward solver's factors with other right sides. A residual at the level of rounding is left alone: near a
+  /// singular pose its correction would be noise. Returns the largest scaled residual left, m; infinity where it
+  /// failed. `offset`: go to phi = offset instead.
+  double settle(State& state, const VectorXd* offset = nullptr);
+  /// Whether states within a step are put on the constraints before they are evaluated: near a singular pose what the
+  /// closures lack reaches the accelerations multiplied by 1/δ³.
+  void settle_stages(bool settle) { settles_stages_ = settle; }
+  /// A state within a step: evaluates there, after settling it if that is wanted.
+  bool evaluate_stage(State& state);
+  double rounding_of_positions() const;  ///< What rounding alone leaves in phi, m.
+  bool settles_stages() const { return settles_stages_; }
+  /// Takes from a displacement or velocity (nv) what the constraints at the last evaluation do not allow.
+  void keep_admissible(VectorXd& dv);
+  /// Across a singular pose rounding enters the motion along its admissible direction, where energy sees it: scales the
+  /// velocities of `to` so that kinetic and potential energy changed by `work` since `from`, and evaluates there.
+  /// Leaves alone what is no rounding (more than 1e-6 of the kinetic energy), and motions that are prescribed.
+  void restore_energy(const State& from, const Work& work, State& to);
+  /// Power of the applied forces at the last evaluation, which was at `state`.
+  Work power(const State& state) const;
   bool is_worn() const;
   /// Smallest pivot of the evaluations since `reset_watch`, over the best one known: how much rounding is amplified.
   double smallest_pivot_ratio() const { return best_pivot_ > 0 ? smallest_pivot_ / best_pivot_ : 1; }
@@ -38,17 +61,26 @@ class Evaluator {
   double best_pivot() const { return best_pivot_; }
   void reset_watch() { smallest_pivot_ = std::numeric_limits<double>::infinity(); }
   double left_out_residual() const;  ///< Largest scaled residual of all rows at the last evaluation, m.
+  /// Why dry friction let the last evaluation fail; empty: it did not.
+  const std::string& friction_problem() const { return friction_problem_; }
+  /// What keeps the prescribed motions from determining their coordinates; empty: nothing. Known after `decide`.
+  const std::string& driven_conflict() const { return driven_conflict_; }
 
   const System& system() const { return *model_->system; }
   const DynamicsModel& model() const { return *model_; }
   const Scaling& scaling() const { return scaling_; }
-  const Selection& selection() const { return selection_; }
+  const VectorXd& row_scale() const { return row_scale_; }               ///< Of all rows, driven ones too.
+  const Selection& selection() const { return selection_; }              ///< Of all rows, driven ones too.
+  const Selection& joint_selection() const { return joint_selection_; }  ///< Of the system's own rows.
+  /// Efforts of all drives, nu: laws, and what the prescribed ones turned out to need.
+  const VectorXd& efforts();
   const Equations& equations() const { return eq_; }
   const ForwardResult& result() const { return result_; }
   long evaluations() const { return evaluations_; }
 
  private:
-  void use(Selection selection);
+  void use(Selection joints);
+  double rounding_of_velocities() const;
   void record(double t, const std::string& reason, RunSummary& summary) const;
 
   std::shared_ptr<const DynamicsModel> model_;
@@ -56,16 +88,19 @@ class Evaluator {
   Scaling scaling_;
   Equations eq_;
   ForwardResult result_;
-  Selection selection_;
+  Selection selection_, joint_selection_;
   std::unique_ptr<ForwardSolver> solver_;
-  std::unique_ptr<Projector> projector_;
-  Eigen::LLT<MatrixXd> metric_;
-  ConstraintKinematics projected_;
-  PositionKinematics projected_pos_;
-  VelocityKinematics projected_vel_;
+  PositionKinematics energy_pos_;
+  VelocityKinematics energy_vel_;
+  VectorXd row_scale_;     ///< Of all rows.
+  std::vector<bool> off_;  ///< Per drive component; empty: all act.
+  VectorXd no_force_, residual_rhs_, efforts_;
+  ForwardResult correction_;
+  std::string driven_conflict_, friction_problem_;
+  FrictionSolver friction_;
   double healthy_pivot_ = 0, best_pivot_ = 0;  ///< When rows and coordinates were chosen; the largest of those.
   double smallest_pivot_ = std::numeric_limits<double>::infinity();
-  bool pivot_known_ = false;
+  bool pivot_known_ = false, settles_stages_ = false;
   double residual_ = 0;
   long evaluations_ = 0;
 };

@@ -79,7 +79,7 @@ TEST(PrescribedRunTest, SharedEffortsTablesAndLimitsAreTold) {
 /// Largest difference between the efforts that drove a simulated motion and those that inverse dynamics finds for the
 /// splines through its rows, relative to the largest effort; away from the ends, where natural splines bend less.
 double lost_on_the_way(ModelSpec spec, const std::vector<std::pair<std::string, std::string>>& columns, double every) {
-  const double t_end = 1.5;
+  constexpr double t_end = 1.5;
   const ProbedRun forward = probe_run(spec, plain_run(t_end, every));
   EXPECT_EQ(forward.summary.status, RunStatus::kFinished) << forward.summary.message;
   for (std::size_t d = 0; d < columns.size(); ++d) {

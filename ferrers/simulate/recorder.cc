@@ -62,10 +62,12 @@ const RunSample& Recorder::record(const State& state, const Equations& eq, const
     const Vector3d p = point_position(eq.pos, point);
     out = std::copy_n(p.data(), 3, out);
   }
-  sample_.energy = compute_energy(*model_, state, eq.pos, eq.vel).total();
+  const Energy energy = compute_energy(*model_, state, eq.pos, eq.vel);
+  sample_.energy = energy.total();
+  sample_.elastic_energy = energy.elastic;
   *out = sample_.energy;
   sample_.constraint_residual =
-      system.m > 0 ? eq.constraints.phi.cwiseProduct(scaling_.rows).cwiseAbs().maxCoeff() : 0.0;
+      system.m > 0 ? eq.constraints.phi.head(system.m).cwiseProduct(scaling_.rows).cwiseAbs().maxCoeff() : 0.0;
   if (with_reactions) {
     DistributionOutcome outcome;
     sample_.reactions = reactions_.solve(state, eq, selection, vdot, lambda, u, axes_, &outcome);

@@ -15,6 +15,7 @@ struct RunSample {
   std::vector<double> values;            ///< In the order of `Recorder::columns()`, which starts with "t".
   std::vector<JointReaction> reactions;  ///< Per joint, in file order; empty where none are known (kinematics).
   double energy = 0;                     ///< J.
+  double elastic_energy = 0;             ///< J: the part of it in springs and bushings.
   double constraint_residual = 0;        ///< Largest |phi| over all rows, rotations times L; m.
 };
 

@@ -7,21 +7,32 @@
 #include <vector>
 
 #include "ferrers/dynamics/initial_state.h"
+#include "ferrers/dynamics/joint_limits.h"
 #include "ferrers/simulate/recorder.h"
 
 namespace ferrers {
 
 enum class Integrator {
-  kRungeKutta4,  ///< "runge-kutta-4": fourth order with projection; fixed step, or step doubling to a tolerance.
-  kConstantAcceleration,  ///< "constant-acceleration": the paper's, independent accelerations held over a step.
+  kDormandPrince8,       ///< "dormand-prince-8": order 8 with error estimates and dense output. The default.
+  kDormandPrince5,       ///< "dormand-prince-5": order 5 with an error estimate of order 4.
+  kRungeKutta4,          ///< "runge-kutta-4": order 4 with projection; fixed step, or step doubling to a tolerance.
+  kGeneralizedAlpha,     ///< "generalized-alpha": implicit, order 2, for stiff springs and bushings.
+  kConstantAcceleration  ///< "constant-acceleration": the paper's, independent accelerations held over a step.
 };
 std::string_view to_string(Integrator integrator);
 std::optional<Integrator> find_integrator(std::string_view name);
+std::vector<std::string> integrator_names();
 
 struct OutputGrid {
   double t_end = 10;    ///< s.
   double every = 0.01;  ///< s; rows at exactly k·every, and one at the end (within 1e-9·every it is on the grid).
   std::vector<double> times() const;
+};
+
+/// Work of forces, J; or their power, W.
+struct Work {
+  double drives = 0;
+  double others = 0;  ///< Springs, dampers, friction, loads; not gravity.
 };
 
 /// Watching a long run: called with the time reached; `stop` set from outside ends it after the current step.
@@ -33,13 +44,20 @@ struct RunControl {
 
 struct SimulationOptions {
   OutputGrid grid;
-  Integrator integrator = Integrator::kRungeKutta4;
-  std::optional<double> step;       ///< s: fixed step (shortened to meet the output grid evenly).
-  std::optional<double> tolerance;  ///< Local error per second, relative to L and 1 rad; default 1e-10.
-  Formulation formulation = Formulation::kNullSpace;
+  std::optional<Integrator> integrator;  ///< Else the engine chooses and says so (`RunSummary::method`).
+  std::optional<double> step;            ///< s: fixed step (shortened to meet the output grid evenly).
+  /// What positions may be off by at the end, relative to the characteristic length L, and rad. Steps are chosen so
+  /// that the local errors stay a thousandth of it per unit of motion; default 1e-9.
+  std::optional<double> tolerance;
+  std::optional<Formulation> formulation;  ///< Else by the size of the system.
   bool with_reactions = true;
   ReactionAxes axes = ReactionAxes::kWorld;
   DistributionOptions distribution;
+  bool driven = false;              ///< Drives with a motion law follow it; the others act by their effort laws.
+  std::optional<State> start;       ///< Goes on from here; else the model's initial state at t = 0.
+  bool find_singular_poses = true;  ///< Locate them in time (costs a rank decision each).
+  /// Run a companion with ten times the local tolerance beside, and compare: `RunSummary::error_estimate`.
+  bool estimate_error = false;
 };
 
 enum class RunStatus {
@@ -52,6 +70,7 @@ enum class RunStatus {
   kRedundancyEnded,  ///< Rows left out as dependent are no longer fulfilled, and no new decision could be made.
   kBadMotion,        ///< Prescribed motion not determined or not reachable; see `message`.
   kUnsupported,      ///< The model asks for something that this version cannot do; see `message`.
+  kStoppedByEvent,   ///< By an event of the model; everything is valid.
 };
 
 /// A decision about rows and coordinates, and when it was taken.
@@ -70,6 +89,23 @@ struct SingularPose {
   int all_rank = 0, all_rank_around = 0;  ///< Of all joints' rows on body velocities, as `analyze` counts.
 };
 
+/// What an event of the model did, and when.
+struct EventRecord {
+  std::string name;
+  double t = 0;
+  EventSpec::Action action = EventSpec::Action::kRecord;
+  std::string message;  ///< "drive 'motor' off"
+};
+
+/// Momentum about the world's origin over a run.
+struct MomentumSummary {
+  Vector3d linear_start = Vector3d::Zero(), linear_end = Vector3d::Zero();    ///< kg·m/s.
+  Vector3d angular_start = Vector3d::Zero(), angular_end = Vector3d::Zero();  ///< kg·m²/s.
+  /// Largest change of each component from the start, and the largest magnitudes met, by which to judge it.
+  Vector3d linear_change = Vector3d::Zero(), angular_change = Vector3d::Zero();
+  double linear_scale = 0, angular_scale = 0;
+};
+
 struct RunSummary {
   RunStatus status = RunStatus::kFinished;
   std::string message;
@@ -81,6 +117,14 @@ struct RunSummary {
   double max_constraint_residual = 0;                                       ///< m.
   bool has_energy = true;                                                   ///< False: masses were not needed.
   double energy_start = 0, energy_end = 0, energy_min = 0, energy_max = 0;  ///< J.
+  /// Work of the drives; and of dampers, friction and loads (springs are part of the energy). What they leave
+  /// unexplained of the change of energy is the error of the balance.
+  std::optional<Work> work;
+  double balance_error = 0;  ///< J: energy_end − energy_start − work.
+  std::optional<MomentumSummary> momentum;  ///< Of simulations.
+  std::vector<EventRecord> events;
+  std::vector<LimitCrossing> limits;     ///< Joint limits that were crossed.
+  std::optional<double> error_estimate;  ///< Of positions, in rad and characteristic lengths.
   std::vector<DecisionRecord> decisions;
   std::vector<SingularPose> singular_poses;
   /// Inverse dynamics, per drive component: not unique, the share of the least weighted effort. Else empty.

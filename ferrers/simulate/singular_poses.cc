@@ -1,75 +1,74 @@
 #include "ferrers/simulate/singular_poses.h"
 
-#include <cmath>
+#include <algorithm>
 
 #include "ferrers/kinematics/assembly.h"
-#include "ferrers/math/rank.h"
+#include "ferrers/redundancy/cluster_rank.h"
 
 namespace ferrers {
 namespace {
 
+constexpr double kAsGoodAsClosed = 1e-9;  // of the characteristic length; it blurs the decision
+
 // Looks along a step.
 class Track {
  public:
-  Track(const System& system, const Scaling& scaling, const Hermite& step)
-      : system_(system),
-        scaling_(scaling),
-        step_(step),
-        state_(step.from),
-        vdot_(step.from_vdot),
-        pos_(make_position_kinematics(system)),
-        rest_(make_velocity_kinematics(system)),
-        constraints_(make_constraint_kinematics(system)) {}
+  Track(Evaluator& evaluator, const std::function<void(double, State&)>& state_at)
+      : evaluator_(evaluator), state_at_(state_at), state_(make_drawn_state(evaluator.system())) {}
 
-  MatrixXd jacobian(double t) {
-    step_.evaluate(system_, t, state_, vdot_);
-    int iterations = 0;
-    close_loops(system_, scaling_, {}, 5, state_, iterations);
-    compute_positions(system_, state_.q, pos_);
-    compute_constraints(system_, state_, pos_, rest_, constraints_);
-    return scaling_.rows.asDiagonal() * constraints_.G * scaling_.columns.asDiagonal();
+  double pivot(double t) {
+    state_at_(t, state_);
+    return evaluator_.evaluate(state_) == ForwardStatus::kSolved ? evaluator_.pivot() : 0.0;
   }
 
-  /// The smallest of the singular values that are kept elsewhere.
-  double smallest_kept(double t, int rank) { return compute_singular_values(jacobian(t))[rank - 1]; }
+  RankDecision decide(double t) {
+    const System& system = evaluator_.system();
+    const Scaling& scaling = evaluator_.scaling();
+    state_at_(t, state_);
+    ConstraintBlocks blocks = compute_constraint_blocks(system, state_);
+    const auto open = [&] {
+      return blocks.phi.cwiseProduct(scaling.rows).lpNorm<Eigen::Infinity>() / scaling.length_m;
+    };
+    if (open() > kAsGoodAsClosed) {
+      int iterations = 0;
+      close_loops(system, scaling, {}, 5, state_, iterations);
+      blocks = compute_constraint_blocks(system, state_);
+    }
+    return decide_clusters(system, scaling, blocks, open()).decision;
+  }
 
  private:
-  const System& system_;
-  const Scaling& scaling_;
-  const Hermite& step_;
+  Evaluator& evaluator_;
+  const std::function<void(double, State&)>& state_at_;
   State state_;
-  VectorXd vdot_;
-  PositionKinematics pos_;
-  VelocityKinematics rest_;
-  ConstraintKinematics constraints_;
 };
 
 // Golden section until the bracket is `width` wide.
-void narrow(Track& track, int rank, double width, double& a, double& b) {
+void narrow(Track& track, double width, double& a, double& b) {
   constexpr double kGolden = 0.6180339887498949;
   double left = b - kGolden * (b - a), right = a + kGolden * (b - a);
-  double at_left = track.smallest_kept(left, rank), at_right = track.smallest_kept(right, rank);
+  double at_left = track.pivot(left), at_right = track.pivot(right);
   while (b - a > width) {
     if (at_left < at_right) {
       b = right;
       right = left;
       at_right = at_left;
       left = b - kGolden * (b - a);
-      at_left = track.smallest_kept(left, rank);
+      at_left = track.pivot(left);
     } else {
       a = left;
       left = right;
       at_left = at_right;
       right = a + kGolden * (b - a);
-      at_right = track.smallest_kept(right, rank);
+      at_right = track.pivot(right);
     }
   }
 }
 
 // In a narrow bracket both flanks are straight: where they meet, with an error that squares each time.
-void meet_flanks(Track& track, int rank, double step, double& a, double& b) {
+void meet_flanks(Track& track, double step, double& a, double& b) {
   for (int i = 0; i < 4; ++i) {
-    const double at_a = track.smallest_kept(a, rank), at_b = track.smallest_kept(b, rank);
+    const double at_a = track.pivot(a), at_b = track.pivot(b);
     const double t = at_a + at_b > 0 ? a + (b - a) * at_a / (at_a + at_b) : 0.5 * (a + b);
     const double reach = std::max(4 * (b - a) * (b - a) / step, 1e-12 * step);
     a = t - reach;
@@ -77,8 +76,20 @@ void meet_flanks(Track& track, int rank, double step, double& a, double& b) {
   }
 }
 
-std::optional<SingularPose> judge(const System& system, Track& track, double t, int rank) {
-  const RankDecision decision = analyze_rank(track.jacobian(t), 1.0).decision;
+}  // namespace
+
+std::optional<SingularPose> find_singular_pose(Evaluator& evaluator,
+                                               const std::function<void(double, State&)>& state_at, double from,
+                                               double to) {
+  const System& system = evaluator.system();
+  const int rank = static_cast<int>(evaluator.joint_selection().rows.size());
+  if (rank == 0) return std::nullopt;
+  Track track(evaluator, state_at);
+  double a = from, b = to;
+  narrow(track, 0.02 * (to - from), a, b);
+  meet_flanks(track, to - from, a, b);
+  const double t = 0.5 * (a + b);
+  const RankDecision decision = track.decide(t);
   if (!decision.confident || decision.rank >= rank) return std::nullopt;
   const int all_rows = system.topology->joint_rows;
   return SingularPose{.t = t,
@@ -88,22 +99,6 @@ std::optional<SingularPose> judge(const System& system, Track& track, double t, 
                       .redundant = system.m - decision.rank,
                       .all_rank = all_rows - (system.m - decision.rank),
                       .all_rank_around = all_rows - (system.m - rank)};
-}
-
-}  // namespace
-
-std::optional<SingularPose> find_singular_pose(const System& system, const Scaling& scaling, const Hermite& step,
-                                               int rank) {
-  if (rank == 0) return std::nullopt;
-  Track track(system, scaling, step);
-  const double h = step.to.t - step.from.t;
-  double a = step.from.t, b = step.to.t;
-  narrow(track, rank, 0.02 * h, a, b);
-  double from = a, to = b;
-  meet_flanks(track, rank, h, from, to);
-  if (const auto pose = judge(system, track, 0.5 * (from + to), rank)) return pose;
-  narrow(track, rank, 1e-11 * h, a, b);
-  return judge(system, track, 0.5 * (a + b), rank);
 }
 
 }  // namespace ferrers

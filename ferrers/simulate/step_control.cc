@@ -6,6 +6,7 @@
 namespace ferrers {
 namespace {
 
+constexpr double kRounding = 2e-16;        // see crossing_length
 constexpr double kLargestRounding = 1e-6;  // of the motion in a step: more than that is no rounding
 
 }  // namespace
@@ -21,66 +22,123 @@ double StepControl::fastest_rate(const Evaluator& evaluator, const State& state)
   return std::max({rate, std::sqrt(curvature), 1e-3 / longest_});
 }
 
-double StepControl::allowed_error(double h, double fastest) const {
-  return tolerance_ * std::clamp(h * fastest, 1e-3, 1.0);
+// Not less than what rounding leaves of the closures.
+double StepControl::allowed_error(const Evaluator& evaluator, double h, double fastest) const {
+  const double rounding = 40 * evaluator.rounding_of_positions() / evaluator.scaling().length_m;
+  return std::max(tolerance_ * std::clamp(h * fastest, 1e-3, 1.0), rounding);
 }
 
-// What rounding alone does with pivots down to `ratio` of healthy ones: a residual r of the loops leaves a position
-// known to r/ratio, and the constraint drives its acceleration to r/ratio³ while the pose is crossed.
+// What rounding alone does with pivots down to `ratio` of healthy ones.
 double StepControl::rounding_error(const Evaluator& evaluator, double h, double fastest) const {
   const double ratio = std::max(evaluator.smallest_pivot_ratio(), 1e-9);
+  if (crossing_) return std::min(30 * kRounding / (ratio * ratio), kLargestRounding);
   const double residual = evaluator.residual_at_step() / evaluator.scaling().length_m + 1e-16;
-  const double power = crossing_ ? ratio * ratio * ratio : ratio * ratio;
-  const double amplified = 1e-15 * evaluator.system().nv / ratio + residual / power;
+  const double amplified = 1e-15 * evaluator.system().nv / ratio + residual / (ratio * ratio);
   return std::min(h * fastest, 1.0) * std::min(amplified, kLargestRounding);
 }
 
 // Time until the smallest pivot vanishes if it goes on as in the last step; infinity if it does not shrink.
-double StepControl::predicted_distance(const Evaluator& evaluator, const State& state) {
+double StepControl::predicted_distance(Evaluator& evaluator, const State& state) {
   const double pivot = evaluator.pivot();
   const double t = last_t_, before = last_pivot_;
   last_t_ = state.t;
   last_pivot_ = pivot;
-  const bool shrinking = before > 0 && pivot < before && pivot < 0.3 * evaluator.best_pivot() && state.t > t;
-  return shrinking ? pivot * (state.t - t) / (before - pivot) : INFINITY;
+  const bool shrinking = before > 0 && pivot < before && pivot < 0.5 * evaluator.best_pivot() && state.t > t;
+  if (!shrinking) return INFINITY;
+  const double distance = pivot * (state.t - t) / (before - pivot);
+  return distance < 4 * next_ ? refined_distance(evaluator, state, distance) : distance;
 }
 
-// The rule evaluates at quarters of the step: put the crossing in the middle of one of them, with the longest such
-// step.
-double StepControl::fit_to_crossing(double h, double distance) {
-  if (distance > 1.5 * h) return h;
-  if (distance > 1.05 * h) return distance - 0.375 * h;  // land well before it
-  crossing_ = true;
-  for (const double fraction : {0.125, 0.375, 0.625, 0.875}) {
-    if (distance / fraction <= 1.05 * h) return distance / fraction;
+// The same with pivots looked up ahead, on the parabola that the motion starts along. `state` is evaluated afterwards.
+double StepControl::refined_distance(Evaluator& evaluator, const State& state, double distance) {
+  double t = 0, pivot = evaluator.pivot();
+  displacement_ = evaluator.result().vdot;  // kept: probing overwrites it
+  const VectorXd vdot = displacement_;
+  for (const double fraction : {0.6, 0.85}) {
+    const double ahead = fraction * distance;
+    if (ahead <= t) break;
+    probe_ = state;
+    probe_.t = state.t + ahead;
+    displacement_ = ahead * state.v + 0.5 * ahead * ahead * vdot;
+    displace(evaluator.system(), displacement_, probe_.q);
+    if (evaluator.evaluate(probe_) != ForwardStatus::kSolved) break;
+    const double there = evaluator.pivot();
+    if (!(there < pivot)) break;
+    distance = t + (ahead - t) * pivot / (pivot - there);
+    t = ahead;
+    pivot = there;
   }
-  return distance / 0.875;
+  evaluator.evaluate(state);
+  return distance;
+}
+
+// Across a singular pose rounding costs about kRounding / ρ², ρ the smallest pivot met over the best one, and less with
+// longer steps, which keep away from the pose; truncation costs more. The best compromise, at least `h`.
+double StepControl::crossing_length(const Evaluator& evaluator, const Stepper& stepper, double h, double allowed,
+                                    double distance) const {
+  constexpr double kHalfGap = 0.13;
+  const double nearest = kHalfGap * h * last_pivot_ / (distance * evaluator.best_pivot());
+  const double ratio = kRounding / (nearest * nearest * allowed);
+  return ratio > 1 ? h * std::pow(ratio, 1.0 / (stepper.error_order() + 2)) : h;
+}
+
+// Lays the step so that the crossing is in the middle of a gap between stages, with the longest such step; before that,
+// a shorter one so that this will be possible.
+double StepControl::fit_to_crossing(const Evaluator& evaluator, const Stepper& stepper, double h, double allowed,
+                                    double distance) {
+  const std::vector<double>& gaps = stepper.gaps();
+  const double best = gaps.front();
+  if (distance > (1 + 2 * best) * h) return h;
+  const double across = crossing_length(evaluator, stepper, h, allowed, distance);
+  if (distance > h + best * across) return h;
+  if (distance > 1.1 * best * across) return std::clamp(distance - best * across, 0.1 * h, h);
+  crossing_ = true;
+  for (const double fraction : gaps) {
+    if (distance / fraction <= 1.1 * across) return distance / fraction;
+  }
+  return distance / gaps.back();
+}
+
+void StepControl::restart() {
+  next_ = trusted_ = 0;
+  last_pivot_ = -1;
+  crossing_ = near_crossing_ = false;
 }
 
 bool StepControl::step(Evaluator& evaluator, Stepper& stepper, const State& state, double t_limit, RunSummary& summary,
                        State& next) {
   const double fastest = fastest_rate(evaluator, state);
   const double shortest = 1e-12 * std::min(longest_, 1 / fastest);
+  const double power = 1.0 / (stepper.error_order() - 1);
   if (next_ <= 0) next_ = std::min(longest_, 0.01 / fastest);
   const double distance = predicted_distance(evaluator, state);
+  near_crossing_ = distance < 3 * next_;
   evaluator.note_residual();
   while (true) {
     crossing_ = false;
-    double h = fit_to_crossing(next_, distance);
+    double h = fit_to_crossing(evaluator, stepper, next_, allowed_error(evaluator, next_, fastest), distance);
     const double left = t_limit - state.t;
     if (!crossing_) h = h >= left ? left : (2 * h > left ? 0.5 * left : h);
     evaluator.reset_watch();
+    evaluator.settle_stages(crossing_);
     const Stepper::Outcome outcome = stepper.step(evaluator, state, h, next);
-    const double allowed = allowed_error(h, fastest);
-    const double change = outcome.error > 0 ? 0.9 * std::pow(allowed / outcome.error, 0.25) : 4.0;
+    work_ = outcome.work;
+    const double allowed = allowed_error(evaluator, h, fastest);
+    const double change = outcome.error > 0 ? 0.9 * std::pow(allowed / outcome.error, power) : 4.0;
     if (outcome.finite && outcome.error <= allowed) {
       const double proposed = h * std::clamp(change, 0.2, 4.0);
-      if (h >= 0.999 * next_ || proposed < next_) next_ = std::min(proposed, longest_);
-      trusted_ = h;
+      if (h >= 0.999 * next_ || change < 1) next_ = std::min(proposed, longest_);
+      if (crossing_) evaluator.restore_energy(state, work_, next);
+      trusted_ = h < 0.999 * next_ ? std::max(h, trusted_) : h;  // a step cut short tells nothing against longer ones
       return true;
     }
     // A step no longer than the last good one, whose error is not more than rounding.
-    if (outcome.finite && h <= 1.5 * trusted_ && outcome.error <= rounding_error(evaluator, h, fastest)) return true;
+    const bool not_longer = crossing_ || h <= 1.5 * trusted_;
+    if (outcome.finite && not_longer && outcome.error <= rounding_error(evaluator, h, fastest)) {
+      lost_ = std::max(lost_, outcome.error);
+      if (crossing_) evaluator.restore_energy(state, work_, next);
+      return true;
+    }
     ++summary.rejected_steps;
     next_ = h * (outcome.finite ? std::clamp(change, 0.1, 0.7) : 0.25);
     if (next_ < shortest || evaluator.evaluate(state) != ForwardStatus::kSolved) return false;

@@ -1,0 +1,139 @@
+#include "ferrers/io/run_restart.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <map>
+#include <vector>
+
+#include "ferrers/kinematics/coordinates.h"
+
+namespace ferrers {
+namespace {
+
+std::vector<std::string> split(const std::string& line) {
+  std::vector<std::string> cells(1);
+  for (const char c : line) {
+    if (c == ',') {
+      cells.emplace_back();
+    } else if (c != '\r' && c != '"') {
+      cells.back() += c;
+    }
+  }
+  return cells;
+}
+
+using Row = std::map<std::string, double>;
+
+// The header and the last line with as many cells, which ends with a line end.
+std::string read_last_row(const std::filesystem::path& file, Row& row) {
+  std::ifstream in(file);
+  if (!in) return fmt::format("'{}' cannot be read", file.string());
+  std::string line, last;
+  if (!std::getline(in, line)) return fmt::format("'{}' is empty", file.string());
+  const std::vector<std::string> names = split(line);
+  while (std::getline(in, line)) {
+    if (!in.eof()) last = line;
+  }
+  const std::vector<std::string> cells = split(last);
+  if (last.empty() || cells.size() != names.size()) return fmt::format("'{}' has no complete row", file.string());
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    char* end = nullptr;
+    const double value = std::strtod(cells[i].c_str(), &end);
+    if (!cells[i].empty() && *end == '\0' && std::isfinite(value)) row[names[i]] = value;
+  }
+  return "";
+}
+
+class Reader {
+ public:
+  Reader(const System& system, const Row& row) : system_(system), row_(row), state_(make_drawn_state(system)) {}
+
+  std::string read() {
+    state_.t = value("t");
+    const auto& joints = system_.model->joints();
+    for (std::size_t j = 0; j < joints.size(); ++j) take(JointId(j), joints[j]);
+    if (!missing_.empty()) return fmt::format("there is no column '{}' with a number in its last row", missing_);
+    PositionKinematics pos = make_position_kinematics(system_);
+    VelocityKinematics vel = make_velocity_kinematics(system_);
+    compute_positions(system_, state_.q, pos);
+    compute_velocities(system_, pos, state_.q, state_.v, vel);
+    accept_winding(system_, pos, state_);
+    for (std::size_t j = 0; j < joints.size(); ++j) {
+      const JointTypeInfo& type = joint_type_info(joints[j].type);
+      const JointMotion motion =
+          measure_joint(system_, JointId(j), state_, VectorXd::Zero(system_.nv), pos, vel);
+      for (int i = 0; i < type.nq; ++i) {
+        const double wanted = value(position_column(joints[j], i));
+        if (!(std::abs(motion.q[i] - wanted) <= 1e-6 * std::max(1.0, std::abs(wanted)))) {
+          return fmt::format("joint '{}' is not where '{}' says: the run was made with another model", joints[j].name,
+                             position_column(joints[j], i));
+        }
+      }
+    }
+    return "";
+  }
+
+  const State& state() const { return state_; }
+
+ private:
+  static std::string position_column(const Joint& joint, int i) {
+    return joint.name + "." + std::string(joint_type_info(joint.type).position_names[i]);
+  }
+
+  double value(const std::string& column) {
+    const auto found = row_.find(column);
+    if (found != row_.end()) return found->second;
+    if (missing_.empty()) missing_ = column;
+    return 0;
+  }
+
+  void take(JointId id, const Joint& joint) {
+    const JointTypeInfo& type = joint_type_info(joint.type);
+    const int closure = system_.topology->closure_of_joint[id.index()];
+    if (closure >= 0) {
+      const CutJoint& cut = system_.cuts[static_cast<std::size_t>(closure)];
+      int angle = 0;
+      for (int i = 0; i < type.nv && angle < type.winding_count; ++i) {
+        if (type.coordinates[i].kind == CoordinateKind::kAngle) {
+          state_.winding[cut.winding + angle++] = value(position_column(joint, i));
+        }
+      }
+      return;
+    }
+    const int n = system_.topology->node_of_joint[id.index()];
+    if (n < 0) return;
+    const Node& node = system_.nodes[static_cast<std::size_t>(n)];
+    for (int i = 0; i < node.nq; ++i) state_.q[node.q + i] = value(position_column(joint, i));
+    for (int i = 0; i < node.nv; ++i) {
+      state_.v[node.v + i] = value(joint.name + "." + std::string(type.coordinates[i].name) + ".velocity");
+    }
+  }
+
+  const System& system_;
+  const Row& row_;
+  State state_;
+  std::string missing_;
+};
+
+}  // namespace
+
+RestartResult read_restart(const System& system, const std::filesystem::path& folder) {
+  RestartResult result;
+  const std::filesystem::path file = folder / "result.csv";
+  Row row;
+  result.error = read_last_row(file, row);
+  if (!result.error.empty()) return result;
+  Reader reader(system, row);
+  result.error = reader.read();
+  if (result.error.empty()) {
+    result.state = reader.state();
+  } else {
+    result.error = fmt::format("'{}': {}", file.string(), result.error);
+  }
+  return result;
+}
+
+}  // namespace ferrers

@@ -1,0 +1,406 @@
+#include "ferrers/simulate/run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+namespace ferrers {
+namespace {
+
+// Of the tolerance, for the local errors per unit of motion, such that the benchmarks end within the tolerance. A loose
+// one is not taken quite at its word: errors of long steps are not proportional to their estimates.
+double local_tolerance(const SimulationOptions& options) {
+  constexpr double kLoosest = 3e-7;
+  const double tolerance = options.tolerance.value_or(kDefaultTolerance);
+  switch (options.integrator.value_or(Integrator::kDormandPrince8)) {
+    case Integrator::kGeneralizedAlpha:
+      return 0.1 * tolerance;
+    case Integrator::kDormandPrince5:
+    case Integrator::kRungeKutta4:
+      return std::min(1e-2 * tolerance, 10 * kLoosest);
+    default:
+      return std::min(1e-3 * tolerance, kLoosest);
+  }
+}
+
+std::vector<int> drives_with_motion(const DynamicsModel& model) {
+  std::vector<int> out;
+  for (int i = 0; i < model.nu(); ++i) {
+    if (model.drives[i].motion) out.push_back(i);
+  }
+  return out;
+}
+
+}  // namespace
+
+Run::Run(std::shared_ptr<const DynamicsModel> model, const SimulationOptions& options, const RunControl& control)
+    : model_(std::move(model)),
+      options_(options),
+      control_(control),
+      formulation_(options.formulation.value_or(recommended_formulation(*model_->system))),
+      evaluator_(model_, formulation_, options.driven ? drives_with_motion(*model_) : std::vector<int>(),
+                 options.distribution),
+      recorder_(model_, options.axes, options.distribution),
+      events_(model_),
+      limits_(model_),
+      control_steps_(local_tolerance(options), std::max(options.grid.t_end, options.grid.every)),
+      driven_(evaluator_.equations().driven),
+      off_(model_->drives.size(), false) {}
+
+RunSummary Run::go() {
+  const auto begin = std::chrono::steady_clock::now();
+  if (start()) march();
+  summary_.evaluations = evaluator_.evaluations();
+  summary_.peaks = recorder_.peaks();
+  summary_.distribution = recorder_.distribution();
+  close_balance();
+  summary_.wall_time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return std::move(summary_);
+}
+
+// Springs keep what they take: their part of the work shows in the energy.
+void Run::close_balance() {
+  if (control_steps_.lost() > 0) {
+    summary_.notices.push_back(
+        fmt::format("rounding near singular poses allows no better than {:.1e} in a step there, which is more than the "
+                    "tolerance asks",
+                    control_steps_.lost()));
+  }
+  for (const LimitCrossing& crossing : limits_.crossings()) summary_.notices.push_back(describe(crossing));
+  summary_.limits = limits_.crossings();
+  work_.others += elastic_ - elastic_start_;
+  if (!work_known_) return;
+  summary_.work = work_;
+  summary_.balance_error = summary_.energy_end - summary_.energy_start - work_.drives - work_.others;
+}
+
+bool Run::fail(RunStatus status, std::string message) {
+  summary_.status = status;
+  summary_.message = std::move(message);
+  return false;
+}
+
+// --- Start ---
+
+bool Run::start() {
+  if (options_.start) {
+    state_ = *options_.start;
+  } else {
+    InitialStateResult initial = make_initial_state(*model_);
+    if (initial.status == InitialStateStatus::kNotAssembled) return fail(RunStatus::kNotAssembled, initial.message);
+    if (initial.status == InitialStateStatus::kInconsistentVelocities) {
+      return fail(RunStatus::kInconsistentVelocities, initial.message);
+    }
+    state_ = std::move(initial.state);
+  }
+  next_ = sample_state_ = probe_state_ = state_;
+  sample_vdot_ = VectorXd::Zero(system().nv);
+  for (int i = 0; i < model_->nu(); ++i) {
+    const bool follows = std::find(driven_.begin(), driven_.end(), i) != driven_.end();
+    if (!follows && !model_->drives[i].effort) {
+      summary_.notices.push_back(fmt::format("drive '{}' has no effort law: it does not act", model_->drives[i].name));
+    }
+  }
+  evaluator_.decide(state_, "start", summary_);
+  if (!evaluator_.driven_conflict().empty()) {
+    return fail(RunStatus::kBadMotion,
+                "more motions are prescribed than the mechanism has; they depend on each other: " +
+                    evaluator_.driven_conflict());
+  }
+  choose_method();
+  if (!driven_.empty() && !put_on_laws()) return false;
+  if (!solved(evaluator_.evaluate(state_))) return false;
+  if (!std::isfinite(evaluator_.settle(state_))) return stuck();
+  events_.start(state_);
+  if (!emit_here()) return false;
+  summary_.energy_start = summary_.energy_min = summary_.energy_max = energy_;
+  elastic_start_ = elastic_;
+  return true;
+}
+
+bool Run::choose_method() {
+  const Integrator integrator = options_.integrator.value_or(Integrator::kDormandPrince8);
+  stepper_ = make_stepper(integrator, evaluator_, options_.step.has_value());
+  adaptive_ = !options_.step && stepper_->error_order() > 0;
+  summary_.method = std::string(to_string(integrator));
+  if (adaptive_) {
+    summary_.method += fmt::format(", tolerance {:g}", options_.tolerance.value_or(kDefaultTolerance));
+  } else {
+    step_ = options_.step.value_or(options_.grid.every / 10);
+    summary_.method += fmt::format(", fixed step {:g} s", step_);
+  }
+  summary_.method += ", " + std::string(to_string(formulation_));
+  return true;
+}
+
+// Prescribed coordinates start where their laws do: walked to in small pieces, then velocities follow.
+bool Run::put_on_laws() {
+  const auto k = static_cast<long>(driven_.size());
+  evaluator_.evaluate(state_);
+  const VectorXd gap = evaluator_.equations().constraints.phi.tail(k);
+  const double size = gap.cwiseProduct(evaluator_.row_scale().tail(k)).lpNorm<Eigen::Infinity>();
+  const long pieces = std::lround(std::ceil(size / (0.1 * evaluator_.scaling().length_m)));
+  VectorXd offset = VectorXd::Zero(evaluator_.row_scale().size());
+  for (long i = 1; i <= pieces; ++i) {
+    offset.tail(k) = (1 - static_cast<double>(i) / static_cast<double>(pieces)) * gap;
+    if (!(evaluator_.settle(state_, &offset) <= 1e3 * closed_tolerance(evaluator_.scaling()))) {
+      return fail(RunStatus::kBadMotion,
+                  fmt::format("the prescribed positions cannot be reached at t = {:g} s", state_.t));
+    }
+    if (evaluator_.is_worn()) evaluator_.choose_again(state_, summary_);
+  }
+  return true;
+}
+
+bool Run::solved(ForwardStatus status) {
+  if (status == ForwardStatus::kSolved) return true;
+  if (status == ForwardStatus::kSingularMass) {
+    return fail(RunStatus::kSingularMass,
+                fmt::format("the mass matrix is singular on the admissible motions at t = {:g} s: some motion moves no "
+                            "mass; give the bodies that it moves a mass or an inertia",
+                            state_.t));
+  }
+  if (!evaluator_.friction_problem().empty()) {
+    return fail(summary_.steps == 0 ? RunStatus::kUnsupported : RunStatus::kStepTooSmall,
+                fmt::format("at t = {:g} s {}", state_.t, evaluator_.friction_problem()));
+  }
+  return fail(RunStatus::kStepTooSmall, fmt::format("accelerations cannot be computed at t = {:g} s", state_.t));
+}
+
+bool Run::stuck() {
+  const bool evaluated = evaluator_.evaluate(state_) == ForwardStatus::kSolved;
+  if (!evaluator_.friction_problem().empty()) {
+    return fail(RunStatus::kStepTooSmall, fmt::format("at t = {:g} s {}", state_.t, evaluator_.friction_problem()));
+  }
+  const double ratio = evaluated && evaluator_.best_pivot() > 0 ? evaluator_.pivot() / evaluator_.best_pivot() : 0;
+  if (ratio < 0.05) {
+    std::string moving;
+    for (const int v : evaluator_.selection().independent) {
+      moving += fmt::format("{}'{}'", moving.empty() ? "" : ", ", system().coordinate_names[v]);
+    }
+    const std::string what = driven_.empty() ? "a dead point or lock" : "a dead point of the prescribed motion";
+    return fail(RunStatus::kStepTooSmall,
+                fmt::format("{} at t = {:g} s: the constraints lose rank there (smallest pivot {:.1e} of its healthy "
+                            "value) and no step leads on with the accuracy asked; independent there: {}",
+                            what, state_.t, ratio, moving.empty() ? "nothing" : moving));
+  }
+  return fail(RunStatus::kStepTooSmall,
+              fmt::format("no step keeps the error at t = {:g} s: forces that are not smooth, "
+                          "or an error that rounding does not allow",
+                          state_.t));
+}
+
+// --- The loop ---
+
+void Run::march() {
+  const std::vector<double> times = options_.grid.times();
+  const auto observe = [this] {
+    if (limits_.any()) limits_.observe(state_, evaluator_.equations().pos, evaluator_.equations().vel);
+  };
+  observe();
+  auto due = static_cast<std::size_t>(std::upper_bound(times.begin(), times.end(), state_.t) - times.begin());
+  while (due < times.size()) {
+    if (!take_step(times, due) || !finish_step(times, due)) return;
+    observe();
+    if (control_.on_progress) control_.on_progress(state_.t);
+    if (control_.stop && control_.stop->load(std::memory_order_relaxed)) {
+      fail(RunStatus::kStopped, fmt::format("interrupted at t = {:g} s", summary_.t_reached));
+      return;
+    }
+  }
+}
+
+bool Run::take_step(const std::vector<double>& times, std::size_t due) {
+  between_.from = state_;
+  between_.from_vdot = evaluator_.result().vdot;
+  if (adaptive_) {
+    if (!control_steps_.step(evaluator_, *stepper_, state_, times.back(), summary_, next_)) return stuck();
+    crossing_ = control_steps_.crossing();
+    work_.drives += control_steps_.work().drives;
+    work_.others += control_steps_.work().others;
+    if (times.back() - next_.t < 1e-13 * std::abs(times.back()) && next_.t < times.back()) next_.t = times.back();
+  } else {  // of equal length, landing on the next row
+    const double left = times[due] - state_.t;
+    const double count = std::max(1.0, std::ceil(left / step_ * (1 - 1e-9)));
+    const Stepper::Outcome outcome = stepper_->step(evaluator_, state_, left / count, next_);
+    if (!outcome.finite) return stuck();
+    if (count < 1.5) next_.t = times[due];
+    work_.drives += outcome.work.drives;
+    work_.others += outcome.work.others;
+  }
+  if (!accept()) return false;
+  between_.to = state_;
+  between_.to_vdot = evaluator_.result().vdot;
+  return true;
+}
+
+bool Run::accept() {
+  const double h = next_.t - state_.t;
+  ++summary_.steps;
+  summary_.largest_step = std::max(summary_.largest_step, h);
+  summary_.smallest_step = summary_.smallest_step > 0 ? std::min(summary_.smallest_step, h) : h;
+  std::swap(state_, next_);
+  accept_winding(system(), evaluator_.equations().pos, state_);
+  if (evaluator_.left_out_residual() > 1e4 * closed_tolerance(evaluator_.scaling())) {
+    return fail(RunStatus::kRedundancyEnded,
+                fmt::format("at t = {:g} s constraints that were left out as dependent no longer hold (by {:g} m): the "
+                            "redundancy seen at the last decision held only at that pose",
+                            state_.t, evaluator_.left_out_residual()));
+  }
+  const bool may_choose = evaluator_.is_worn() && !(adaptive_ && control_steps_.near_crossing());
+  return may_choose ? solved(evaluator_.choose_again(state_, summary_)) : true;
+}
+
+// Rows and events within the step taken; afterwards the evaluator is at the step's end again.
+bool Run::finish_step(const std::vector<double>& times, std::size_t& due) {
+  moved_ = false;
+  double from = between_.from.t;
+  const auto probe = [this](double t, State& state) { state_at(t, state, sample_vdot_); };
+  while (events_.any()) {
+    const auto hit = events_.find(from, state_.t, probe);
+    if (!hit) break;
+    if (!emit_until(hit->t, times, due)) return false;
+    const double end = state_.t;
+    if (!act(*hit)) return false;
+    if (state_.t < end) return true;  // the rest of the step did not happen
+    from = hit->t;
+  }
+  if (crossing_ && options_.find_singular_poses) note_singular_pose();
+  if (!emit_until(state_.t, times, due)) return false;
+  return !moved_ || solved(evaluator_.evaluate(state_));
+}
+
+void Run::state_at(double t, State& state, VectorXd& vdot) {
+  moved_ = true;
+  if (!stepper_->interpolate(evaluator_, between_.from, between_.to, t, state, vdot)) {
+    between_.evaluate(system(), t, state, vdot);
+  }
+}
+
+bool Run::act(const EventWatch::Hit& hit) {
+  const Event& event = system().model->events()[static_cast<std::size_t>(hit.event)];
+  summary_.events.push_back({event.name, hit.t, event.action, ""});
+  switch (event.action) {
+    case EventSpec::Action::kRecord:
+      return emit_between(hit.t);
+    case EventSpec::Action::kStop:
+      cut_work();
+      if (!emit_between(hit.t)) return false;
+      return fail(RunStatus::kStoppedByEvent, fmt::format("event '{}' at t = {:g} s", event.name, hit.t));
+    case EventSpec::Action::kSwitch:
+      break;
+  }
+  cut_work();
+  state_at(hit.t, state_, sample_vdot_);
+  std::string message;
+  if (!switch_drive(event, message)) return fail(RunStatus::kBadMotion, message);
+  summary_.events.back().message = message;
+  evaluator_.decide(state_, fmt::format("event '{}'", event.name), summary_);
+  if (!solved(evaluator_.evaluate(state_))) return false;
+  if (!std::isfinite(evaluator_.settle(state_))) return stuck();
+  accept_winding(system(), evaluator_.equations().pos, state_);
+  stepper_ = make_stepper(options_.integrator.value_or(Integrator::kDormandPrince8), evaluator_, !adaptive_);
+  control_steps_.restart();
+  events_.start(state_);
+  events_.acted(hit.event);
+  return true;
+}
+
+// The step's work is known as a whole only: with forces at work the balance of a run that an event cut short is not.
+void Run::cut_work() { work_known_ = work_known_ && work_.drives == 0 && work_.others == 0; }
+
+bool Run::switch_drive(const Event& event, std::string& message) {
+  for (int i = 0; i < model_->nu(); ++i) {
+    const DriveComponent& drive = model_->drives[i];
+    if (drive.drive != event.drive) continue;
+    off_[static_cast<std::size_t>(i)] = !off_[static_cast<std::size_t>(i)];
+    message = fmt::format("drive '{}' {}", drive.name, off_[static_cast<std::size_t>(i)] ? "off" : "on");
+  }
+  std::vector<int> driven;
+  for (const int i : driven_) {
+    if (!off_[static_cast<std::size_t>(i)]) driven.push_back(i);
+  }
+  evaluator_.set_drives(std::move(driven), off_);
+  evaluator_.decide(state_, "switch", summary_);
+  summary_.decisions.pop_back();
+  if (!evaluator_.driven_conflict().empty() || evaluator_.equations().driven.empty()) {
+    return evaluator_.driven_conflict().empty();
+  }
+  evaluator_.evaluate(state_);
+  if (evaluator_.left_out_residual() <= 1e-6 * evaluator_.scaling().length_m) return true;
+  message = fmt::format(
+      "event '{}' switches a prescribed motion on at t = {:g} s, but the mechanism is elsewhere (by "
+      "{:g} m or as many characteristic lengths)",
+      event.name, state_.t, evaluator_.left_out_residual());
+  return false;
+}
+
+void Run::note_singular_pose() {
+  const auto probe = [this](double t, State& state) { state_at(t, state, sample_vdot_); };
+  const auto pose = find_singular_pose(evaluator_, probe, between_.from.t, between_.to.t);
+  if (pose) summary_.singular_poses.push_back(*pose);
+}
+
+// --- Output ---
+
+bool Run::emit_until(double t, const std::vector<double>& times, std::size_t& due) {
+  for (; due < times.size() && times[due] <= t; ++due) {
+    if (!(times[due] >= state_.t ? emit_here() : emit_between(times[due]))) return false;
+  }
+  return true;
+}
+
+bool Run::emit_here() {
+  if (std::exchange(moved_, false) && !solved(evaluator_.evaluate(state_))) return false;
+  return record(state_, evaluator_.result().vdot, true);
+}
+
+// Outputs between steps are interpolated, so that the steps need not know the grid. Near a singular pose accelerations
+// are those of the interpolant: rounding spoils the others.
+bool Run::emit_between(double t) {
+  state_at(t, sample_state_, sample_vdot_);
+  const bool solved_there = crossing_ ? evaluator_.evaluate(sample_state_) == ForwardStatus::kSolved
+                                      : std::isfinite(evaluator_.settle(sample_state_));
+  return record(sample_state_, crossing_ || !solved_there ? sample_vdot_ : evaluator_.result().vdot, solved_there);
+}
+
+// `solved`: the last evaluation was at this state and gave multipliers.
+bool Run::record(const State& state, const VectorXd& vdot, bool solved) {
+  const RunSample& sample = recorder_.record(state, evaluator_.equations(), evaluator_.joint_selection(), vdot,
+                                             evaluator_.result().lambda.head(system().m), evaluator_.efforts(),
+                                             options_.with_reactions && solved);
+  if (const std::string reason = refused_range(recorder_.distribution()); !reason.empty()) {
+    return fail(RunStatus::kUnsupported, reason);
+  }
+  energy_ = sample.energy;
+  elastic_ = sample.elastic_energy;
+  summary_.energy_end = energy_;
+  summary_.energy_min = std::min(summary_.energy_min, energy_);
+  summary_.energy_max = std::max(summary_.energy_max, energy_);
+  summary_.max_constraint_residual = std::max(summary_.max_constraint_residual, sample.constraint_residual);
+  follow_momentum(!summary_.momentum);
+  summary_.t_reached = state.t;
+  if (control_.on_sample) control_.on_sample(sample);
+  return true;
+}
+
+void Run::follow_momentum(bool first) {
+  const Momentum now = compute_momentum(*model_, evaluator_.equations().pos, evaluator_.equations().vel);
+  if (!summary_.momentum) summary_.momentum.emplace();
+  MomentumSummary& m = *summary_.momentum;
+  if (first) {
+    m.linear_start = now.linear;
+    m.angular_start = now.angular;
+  }
+  m.linear_end = now.linear;
+  m.angular_end = now.angular;
+  m.linear_change = m.linear_change.cwiseMax((now.linear - m.linear_start).cwiseAbs());
+  m.angular_change = m.angular_change.cwiseMax((now.angular - m.angular_start).cwiseAbs());
+  m.linear_scale = std::max(m.linear_scale, now.linear.lpNorm<Eigen::Infinity>());
+  m.angular_scale = std::max(m.angular_scale, now.angular.lpNorm<Eigen::Infinity>());
+}
+
+}  // namespace ferrers

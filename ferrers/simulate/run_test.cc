@@ -1,0 +1,222 @@
+#include "ferrers/simulate/run.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "ferrers/testing/run_probe.h"
+#include "ferrers/testing/zoo.h"
+#include "ferrers/testing/zoo_parts.h"
+
+namespace ferrers::witness {
+namespace {
+
+EventSpec event(const std::string& name, const std::string& when, EventSpec::Action action,
+                const std::string& drive = "") {
+  EventSpec spec;
+  spec.name = name;
+  spec.when = *law(when).expression;
+  spec.action = action;
+  if (!drive.empty()) spec.drive = NameRef(drive);
+  return spec;
+}
+
+// --- Events ---
+
+TEST(EventsTest, ARunStopsWhereTheFormulaPassesZero) {
+  ModelSpec spec = make_pendulum();  // falls from the horizontal: lowest at a quarter of its period
+  spec.events = {event("lowest", "pivot.angle + pi/2", EventSpec::Action::kStop)};
+  const ProbedRun run = probe_run(spec, plain_run(5, 0.1));
+  EXPECT_EQ(run.summary.status, RunStatus::kStoppedByEvent);
+  EXPECT_NEAR(run.samples.back().t, 2.367841947576237 / 4, 1e-10);
+  EXPECT_NEAR(run.last("P.y"), -1, 1e-15);
+  ASSERT_EQ(run.summary.events.size(), 1u);
+  EXPECT_EQ(run.summary.events[0].name, "lowest");
+}
+
+TEST(EventsTest, EveryPassageIsRecordedWithARowOfItsOwn) {
+  ModelSpec spec = make_pendulum();
+  spec.events = {event("passing", "pivot.angle + pi/2", EventSpec::Action::kRecord)};
+  const ProbedRun run = probe_run(spec, plain_run(10, 1));
+  ASSERT_EQ(run.summary.status, RunStatus::kFinished) << run.summary.message;
+  ASSERT_EQ(run.summary.events.size(), 8u);
+  for (int k = 0; k < 8; ++k) {
+    EXPECT_NEAR(run.summary.events[static_cast<std::size_t>(k)].t, 2.367841947576237 * (2 * k + 1) / 4, 1e-9) << k;
+  }
+  EXPECT_EQ(run.samples.size(), 11u + 8u);
+  for (std::size_t i = 1; i < run.samples.size(); ++i) EXPECT_GT(run.samples[i].t, run.samples[i - 1].t);
+}
+
+TEST(EventsTest, ADriveIsSwitchedOffAndTheWheelTurnsOn) {
+  ModelSpec spec = make_pendulum();
+  spec.gravity = number3(0, 0, 0);
+  spec.drives = {coordinate_drive("motor", "pivot", "", "2")};  // angular acceleration 2 rad/s² for 1 s
+  spec.events = {event("enough", "t - 1", EventSpec::Action::kSwitch, "motor")};
+  const ProbedRun run = probe_run(spec, plain_run(2, 0.25));
+  ASSERT_EQ(run.summary.status, RunStatus::kFinished) << run.summary.message;
+  EXPECT_NEAR(run.last("pivot.angle"), 1 + 2, 1e-9);
+  EXPECT_NEAR(run.last("pivot.angle.velocity"), 2, 1e-9);
+  EXPECT_EQ(run.at(1.25, "motor.effort"), 0);
+  ASSERT_EQ(run.summary.events.size(), 1u);
+  EXPECT_EQ(run.summary.events[0].message, "drive 'motor' off");
+}
+
+TEST(EventsTest, EventsFindTheSamePlaceWithEveryIntegrator) {
+  ModelSpec spec = make_pendulum();
+  spec.events = {event("lowest", "pivot.angle + pi/2", EventSpec::Action::kStop)};
+  for (const std::string& name : integrator_names()) {
+    SimulationOptions options = plain_run(5, 0.1);
+    options.integrator = find_integrator(name);
+    if (name == "constant-acceleration") options.step = 1e-5;
+    const ProbedRun run = probe_run(spec, options);
+    ASSERT_EQ(run.summary.status, RunStatus::kStoppedByEvent) << name << ": " << run.summary.message;
+    EXPECT_NEAR(run.samples.back().t, 2.367841947576237 / 4, name == "constant-acceleration" ? 1e-4 : 1e-6) << name;
+  }
+}
+
+// --- Prescribed and forced together ---
+
+TEST(DrivenTest, ADrivenFourBarFollowsItsLawAndNeedsTheEffortsOfInverseDynamics) {
+  const ModelSpec spec = make_driven_four_bar();
+  SimulationOptions options = plain_run(2, 0.5);
+  options.driven = true;
+  const ProbedRun run = probe_run(spec, options);
+  ASSERT_EQ(run.summary.status, RunStatus::kFinished) << run.summary.message;
+  const EngineProbe engine(spec);
+  ProbedRun inverse;
+  PrescribedOptions prescribed;
+  prescribed.grid = {2, 0.5};
+  const RunControl control = keep_rows(*engine.dynamics, inverse);
+  inverse.summary = run_prescribed(engine.dynamics, prescribed, control);
+  for (const double t : {0.0, 0.5, 1.0, 1.5, 2.0}) {
+    EXPECT_NEAR(run.at(t, "O.angle"), 1.2 * (1 - std::cos(2 * t)), 1e-10) << t;
+    EXPECT_NEAR(run.at(t, "motor.effort"), inverse.at(t, "motor.effort"), 1e-8) << t;
+    EXPECT_NEAR(run.at(t, "B.angle.acceleration"), inverse.at(t, "B.angle.acceleration"), 1e-8) << t;
+  }
+  ASSERT_TRUE(run.summary.work.has_value());
+  EXPECT_LT(std::abs(run.summary.balance_error), 1e-8);
+  EXPECT_GT(std::abs(run.summary.work->drives), 1);
+}
+
+// A cart that is moved and carries a pendulum that is not: the pendulum is simulated.
+TEST(DrivenTest, WhatIsNotPrescribedMovesFreely) {
+  ModelSpec spec = make_pendulum();
+  BodySpec cart;
+  cart.name = "cart";
+  cart.mass = Number(3);
+  cart.com = number3(0, 0, 0);
+  spec.bodies.push_back(cart);
+  spec.joints[0].bodies = {NameRef("cart"), NameRef("bob")};
+  JointSpec rail = joint(JointType::kPrismatic, "rail", "ground", "cart", {0, 0, 0});
+  rail.axis.drawn = number3(1, 0, 0);
+  spec.joints.push_back(rail);
+  spec.drives = {coordinate_drive("pull", "rail", "0.1*t*t")};
+  SimulationOptions options = plain_run(1, 0.5);
+  options.driven = true;
+  const ProbedRun run = probe_run(spec, options);
+  ASSERT_EQ(run.summary.status, RunStatus::kFinished) << run.summary.message;
+  // φ'' = −g cos φ + a sin φ with a = 0.2, by a fine classical rule.
+  double angle = 0, rate = 0;
+  const auto f = [](double x) { return -9.81 * std::cos(x) + 0.2 * std::sin(x); };
+  const int n = 20000;
+  const double h = 1.0 / n;
+  for (int i = 0; i < n; ++i) {
+    const double a1 = rate, w1 = f(angle), a2 = rate + h / 2 * w1, w2 = f(angle + h / 2 * a1);
+    const double a3 = rate + h / 2 * w2, w3 = f(angle + h / 2 * a2), a4 = rate + h * w3, w4 = f(angle + h * a3);
+    angle += h / 6 * (a1 + 2 * a2 + 2 * a3 + a4);
+    rate += h / 6 * (w1 + 2 * w2 + 2 * w3 + w4);
+  }
+  EXPECT_NEAR(run.last("rail.displacement"), 0.1, 1e-12);
+  EXPECT_NEAR(run.last("pivot.angle"), angle, 1e-9);
+}
+
+TEST(DrivenTest, MotionsThatDependOnEachOtherAreRefusedByName) {
+  ModelSpec spec = make_driven_four_bar();
+  spec.drives.push_back(coordinate_drive("second", "B", "0.1*t"));
+  SimulationOptions options = plain_run(1, 0.5);
+  options.driven = true;
+  const ProbedRun run = probe_run(spec, options);
+  EXPECT_EQ(run.summary.status, RunStatus::kBadMotion);
+  EXPECT_FALSE(run.summary.message.empty());
+}
+
+// --- Going on ---
+
+TEST(RunTest, ARunThatGoesOnIsTheSameRun) {
+  const EngineProbe engine(make_bricard(BricardRods::kBricks));
+  const ProbedRun whole = probe_run(make_bricard(BricardRods::kBricks), plain_run(2, 0.5));
+  State state = make_drawn_state(*engine.system);
+  state.t = 1;
+  const auto& joints = engine.model().joints();
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    const CoordinateAccess access = engine.system->access({JointId(j), 0});
+    if (!access.in_tree) continue;
+    state.q[access.q] = whole.at(1, joints[j].name + ".angle");
+    state.v[access.v] = whole.at(1, joints[j].name + ".angle.velocity");
+  }
+  SimulationOptions options = plain_run(2, 0.5);
+  options.start = state;
+  ProbedRun rest;
+  const RunControl control = keep_rows(*engine.dynamics, rest);
+  rest.summary = simulate(engine.dynamics, options, control);
+  ASSERT_EQ(rest.summary.status, RunStatus::kFinished) << rest.summary.message;
+  ASSERT_EQ(rest.samples.size(), 3u);
+  EXPECT_EQ(rest.samples.front().t, 1);
+  EXPECT_LT((rest.point(2, "P3") - whole.point(2, "P3")).norm(), 1e-11);
+}
+
+// --- Balances ---
+
+TEST(BalanceTest, WorkOfDrivesAndSpringsExplainsTheEnergy) {
+  for (const ModelSpec& spec : {make_andrews(), make_flyball()}) {
+    const ProbedRun run = probe_run(spec, plain_run(0.02, 0.01));
+    ASSERT_EQ(run.summary.status, RunStatus::kFinished) << run.summary.message;
+    ASSERT_TRUE(run.summary.work.has_value());
+    EXPECT_GT(std::abs(run.summary.work->drives) + std::abs(run.summary.work->others), 1e-4) << spec.name;
+    EXPECT_LT(std::abs(run.summary.balance_error), 1e-10) << spec.name;
+  }
+}
+
+TEST(BalanceTest, AngularMomentumAboutTheFreeShaftIsConstant) {
+  const ProbedRun run = probe_run(make_flyball(), plain_run(0.5, 0.1));
+  ASSERT_TRUE(run.summary.momentum.has_value());
+  EXPECT_NEAR(run.summary.momentum->angular_start.z(), 53.868998658418, 1e-9);
+  EXPECT_LT(run.summary.momentum->angular_change.z(), 1e-9);
+}
+
+// --- Dry friction and limits ---
+
+TEST(RunTest, ABlockSlidesDownWithWhatFrictionLeaves) {
+  ModelSpec spec;
+  spec.name = "incline";
+  spec.gravity = number3(5, 0, -8);  // the incline is level here, gravity is not
+  BodySpec block;
+  block.name = "block";
+  block.mass = Number(2);
+  block.com = number3(0, 0, 0);
+  spec.bodies = {block};
+  JointSpec slide = joint(JointType::kPrismatic, "slide", "ground", "block", {0, 0, 0});
+  slide.axis.drawn = number3(1, 0, 0);
+  FrictionSpec friction;
+  friction.coulomb = Number(0.25);
+  slide.friction = friction;
+  spec.joints = {slide};
+  spec.initial = {initial_velocity("slide", 1)};  // fast against the regularisation: tanh is 1
+  const ProbedRun run = probe_run(spec, plain_run(1, 0.5));
+  ASSERT_EQ(run.summary.status, RunStatus::kFinished) << run.summary.message;
+  EXPECT_NEAR(run.last("slide.displacement"), 1 + 0.5 * (5 - 0.25 * 8), 1e-9);
+  EXPECT_NEAR(run.summary.work->others, -0.25 * 2 * 8 * 2.5, 1e-8);
+}
+
+TEST(RunTest, ALimitThatIsCrossedIsToldWithItsTime) {
+  ModelSpec spec = make_pendulum();
+  spec.joints[0].limits = std::array<Number, 2>{Number(-1.0), Number(2.0)};
+  const ProbedRun run = probe_run(spec, plain_run(1, 0.1));
+  ASSERT_EQ(run.summary.limits.size(), 1u);
+  EXPECT_FALSE(run.summary.limits[0].upper);
+  EXPECT_GT(run.summary.limits[0].t, 0.3);
+  EXPECT_LT(run.summary.limits[0].t, 0.5);
+}
+
+}  // namespace
+}  // namespace ferrers::witness
