@@ -21,6 +21,12 @@ namespace ferrers {
 /// accurate as the null-space form, which it equals without its zeros. The null-space form pivots its rows anew at
 /// every evaluation where the sparse form keeps its order: it is the reference. Elimination is the paper's; near a
 /// singular pose it loses twice the digits. The augmented Lagrangian needs no decision and takes contradictory rows.
+/// Equations and solution together in µs, least of repeated runs on a busy core (x86-64-v2); N: chain of N four-bars.
+///                         four-bar  Bricard  N = 10  N = 40  N = 100  N = 300
+///   null-space                0.67      1.0     6.3      59      730    14000
+///   elimination               0.87      1.8     8.9     210     2700    43000
+///   sparse                    0.43      0.7     3.2      13       50      130
+///   augmented Lagrangian       1.3      2.8      14     160     1000     9300
 enum class Formulation {
   kNullSpace,            ///< v = N z from the selected coordinates; needs M regular on the admissible motions only.
                          ///< Cost: O(n² w + r³).
