@@ -43,12 +43,6 @@ ModelSpec planar(const std::string& name) {
   return spec;
 }
 
-std::vector<double> frequencies(const Linearization& linear) {
-  std::vector<double> all;
-  for (const Mode& mode : linear.modal.modes) all.push_back(mode.frequency_rad_s());
-  return all;
-}
-
 Linearization at_start(const ModelSpec& spec) {
   const EngineProbe probe(spec);
   Linearization linear = linearize(*probe.dynamics, probe.start());
