@@ -41,8 +41,8 @@ INSTANTIATE_TEST_SUITE_P(Integrators, IntegratorOrderTest,
                                            Order{Integrator::kRungeKutta4, 0.05, 3.7, 5},
                                            Order{Integrator::kGeneralizedAlpha, 0.01, 1.9, 2.1},
                                            Order{Integrator::kConstantAcceleration, 0.002, 0.9, 1.1}),
-                         [](const auto& info) {
-                           std::string name(to_string(info.param.integrator));
+                         [](const auto& test) {
+                           std::string name(to_string(test.param.integrator));
                            for (char& c : name) c = c == '-' ? '_' : c;
                            return name;
                          });
@@ -102,8 +102,8 @@ TEST_P(ToleranceTest, TwoFourBarsMeetTheToleranceThroughEverySingularPose) {
 
 INSTANTIATE_TEST_SUITE_P(Tolerances, ToleranceTest,
                          ::testing::Values(1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12),
-                         [](const auto& info) {
-                           return "1e" + std::to_string(-std::lround(-std::log10(info.param)) * -1);
+                         [](const auto& test) {
+                           return "1e" + std::to_string(-std::lround(-std::log10(test.param)) * -1);
                          });
 
 class FourBarsTest : public ::testing::TestWithParam<int> {};

@@ -63,11 +63,11 @@ RunSummary Run::go() {
 
 // Springs keep what they take: their part of the work shows in the energy.
 void Run::close_balance() {
-  if (control_steps_.lost() > 0) {
-    summary_.notices.push_back(
-        fmt::format("rounding near singular poses allows no better than {:.1e} in a step there, which is more than the "
-                    "tolerance asks",
-                    control_steps_.lost()));
+  if (control_steps_.lost() > 0.1 * options_.tolerance.value_or(kDefaultTolerance)) {
+    summary_.notices.push_back(fmt::format(
+        "rounding allows no better than {:.1e} in some steps (rad, or characteristic lengths): the tolerance "
+        "asks for more than can be computed",
+        control_steps_.lost()));
   }
   for (const LimitCrossing& crossing : limits_.crossings()) summary_.notices.push_back(describe(crossing));
   summary_.limits = limits_.crossings();

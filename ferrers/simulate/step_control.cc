@@ -7,6 +7,7 @@ namespace ferrers {
 namespace {
 
 constexpr double kRounding = 2e-16;        // see crossing_length
+constexpr double kLargestLoss = 1e-10;     // in a step, that may pass for rounding
 constexpr double kLargestRounding = 1e-6;  // of the motion in a step: more than that is no rounding
 
 }  // namespace
@@ -114,6 +115,7 @@ bool StepControl::step(Evaluator& evaluator, Stepper& stepper, const State& stat
   const double distance = predicted_distance(evaluator, state);
   near_crossing_ = distance < 3 * next_;
   evaluator.note_residual();
+  double refused_h = 0, refused_error = 0;
   while (true) {
     crossing_ = false;
     double h = fit_to_crossing(evaluator, stepper, next_, allowed_error(evaluator, next_, fastest), distance);
@@ -139,6 +141,14 @@ bool StepControl::step(Evaluator& evaluator, Stepper& stepper, const State& stat
       if (crossing_) evaluator.restore_energy(state, work_, next);
       return true;
     }
+    // Shorter steps do not err less: that is rounding, and this step is as good as any.
+    const bool no_better = h < 0.6 * refused_h && outcome.error > 0.3 * refused_error;
+    if (outcome.finite && no_better && outcome.error <= kLargestLoss) {
+      lost_ = std::max(lost_, outcome.error);
+      return true;
+    }
+    refused_h = h;
+    refused_error = outcome.error;
     ++summary.rejected_steps;
     next_ = h * (outcome.finite ? std::clamp(change, 0.1, 0.7) : 0.25);
     if (next_ < shortest || evaluator.evaluate(state) != ForwardStatus::kSolved) return false;
