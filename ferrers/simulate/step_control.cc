@@ -115,7 +115,7 @@ bool StepControl::step(Evaluator& evaluator, Stepper& stepper, const State& stat
   const double distance = predicted_distance(evaluator, state);
   near_crossing_ = distance < 3 * next_;
   evaluator.note_residual();
-  double refused_h = 0, refused_error = 0;
+  double first_h = 0, refused_h = 0, refused_error = 0;
   while (true) {
     crossing_ = false;
     double h = fit_to_crossing(evaluator, stepper, next_, allowed_error(evaluator, next_, fastest), distance);
@@ -142,11 +142,13 @@ bool StepControl::step(Evaluator& evaluator, Stepper& stepper, const State& stat
       return true;
     }
     // Shorter steps do not err less: that is rounding, and this step is as good as any.
-    const bool no_better = h < 0.6 * refused_h && outcome.error > 0.3 * refused_error;
+    const bool no_better = h < 0.75 * refused_h && outcome.error > 0.5 * refused_error;
     if (outcome.finite && no_better && outcome.error <= kLargestLoss) {
       lost_ = std::max(lost_, outcome.error);
+      next_ = first_h;
       return true;
     }
+    if (first_h == 0) first_h = h;
     refused_h = h;
     refused_error = outcome.error;
     ++summary.rejected_steps;

@@ -89,7 +89,7 @@ Benchmark squeezer() {
       0.03,
       0.01,
       {},
-      0,
+      0.5,
       "angles"};
   const char* const joints[] = {"O", "F", "B", "G", "A5", "H", "A7"};
   const char* const names[] = {"β", "Θ", "γ", "Φ", "δ", "Ω", "ε"};
@@ -154,7 +154,7 @@ Benchmark governor() {
               10,
               0.1,
               {},
-              0,
+              169,
               "S"};
   for (const auto& [t, s] :
        {std::pair{0.1, 0.5238364756}, {0.5, 0.7432494248}, {1.0, 0.5014209224}, {5.0, 0.5355631037}}) {

@@ -25,7 +25,7 @@ struct Benchmark {
   ModelSpec spec;
   double t_end = 10, every = 0.5;
   std::vector<Figure> figures;
-  double energy_scale = 1;   ///< J; drift is compared with it. 0: energy is not conserved.
+  double energy_scale = 1;   ///< J: what the error of the energy balance is compared with.
   std::string error_column;  ///< Figures of the work-precision table: those of this name.
 };
 

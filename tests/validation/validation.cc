@@ -64,8 +64,8 @@ std::string figures_section(const Benchmark& b, Verdict& verdict) {
     text += fmt::format("| {} | {} | {:.13g} | {:.13g} | {:.1e} | {} |\n", f.name, f.t, ours, f.reference, off,
                         good ? "met" : "**missed**");
   }
-  const double balance = std::abs(s.balance_error), scale = std::max(b.energy_scale, s.energy_max - s.energy_min);
-  const bool kept = balance <= kInvariant * std::max(scale, 1e-3);
+  const double balance = std::abs(s.balance_error);
+  const bool kept = balance <= kInvariant * b.energy_scale;
   verdict.good = verdict.good && kept;
   text += fmt::format(
       "\n{}; {} steps, {} evaluations, {:.1f} ms; energy less work is off by {:.1e} J ({}); {} singular poses "
@@ -76,12 +76,6 @@ std::string figures_section(const Benchmark& b, Verdict& verdict) {
 }
 
 // --- Work and precision ---
-
-struct Setting {
-  Integrator integrator;
-  bool fixed;
-  double value;  // tolerance, or steps a second of the benchmark's own time scale
-};
 
 double error_of(const Benchmark& b, const ProbedRun& run) {
   double error = 0;
