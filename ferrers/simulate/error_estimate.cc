@@ -34,7 +34,6 @@ std::vector<double> position_scales(const DynamicsModel& model) {
 
 ErrorEstimate::ErrorEstimate(std::shared_ptr<const DynamicsModel> model, const SimulationOptions& options)
     : model_(std::move(model)), looser_(options), scales_(position_scales(*model_)) {
-  looser_.tolerance = kLooser * options.tolerance.value_or(kDefaultTolerance);
   looser_.with_reactions = looser_.find_singular_poses = looser_.estimate_error = false;
   const double begin = options.start ? options.start->t : 0;
   looser_.grid.every *= std::max(1.0, std::ceil((options.grid.t_end - begin) / options.grid.every / kMostRows));
@@ -55,7 +54,7 @@ std::optional<double> ErrorEstimate::compute(double t_reached, const RunControl&
   RunControl compared;
   compared.stop = control.stop;
   compared.on_sample = [this](const RunSample& sample) { compare(sample); };
-  Run(model_, looser_, compared).go();
+  Run(model_, looser_, compared, kLooser).go();
   const bool to_the_end = next_ > 0 && rows_[next_ - 1].t >= 0.9 * t_reached;
   if (!to_the_end || !std::isfinite(largest_)) return std::nullopt;
   return largest_;

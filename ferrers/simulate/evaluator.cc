@@ -207,7 +207,7 @@ void Evaluator::restore_energy(const State& from, const Work& work, State& to) {
 
 Work Evaluator::power(const State& state) const {
   Work out;
-  if (!model_->has_forces && model_->nu() == 0) return out;
+  if (!model_->has_forces && model_->nu() == 0 && !friction_.any()) return out;
   for (int i = 0; i < model_->nu(); ++i) {
     if (eq_.u[i] != 0) out.drives += eq_.u[i] * eq_.B_transposed.row(i).dot(state.v);
   }

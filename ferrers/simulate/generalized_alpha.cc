@@ -82,6 +82,10 @@ class GeneralizedAlpha final : public Stepper {
   }
 
   int error_order() const override { return doubling_ ? 3 : 0; }
+  const std::vector<double>& gaps() const override {
+    static const std::vector<double> between_halves = {0.25, 0.75};
+    return between_halves;
+  }
 
  private:
   // Where the step before ended, or a fresh start.

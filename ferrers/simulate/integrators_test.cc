@@ -36,7 +36,7 @@ TEST_P(IntegratorOrderTest, HalfTheStepGivesTheErrorOfTheOrder) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Integrators, IntegratorOrderTest,
-                         ::testing::Values(Order{Integrator::kDormandPrince8, 0.1, 7.2, 10},
+                         ::testing::Values(Order{Integrator::kDormandPrince8, 0.25, 7.2, 9.5},
                                            Order{Integrator::kDormandPrince5, 0.05, 4.6, 6.2},
                                            Order{Integrator::kRungeKutta4, 0.05, 3.7, 5},
                                            Order{Integrator::kGeneralizedAlpha, 0.01, 1.9, 2.1},
@@ -65,8 +65,10 @@ TEST(IntegratorsTest, DenseOutputIsAsGoodAsTheStepsThemselves) {
     const ProbedRun run = probe_run(make_bricard(BricardRods::kBricks), options);
     ASSERT_EQ(run.summary.status, RunStatus::kFinished) << run.summary.message;
     EXPECT_LT(run.energy_drift(), integrator == Integrator::kDormandPrince8 ? 1e-10 : 1e-8) << to_string(integrator);
-    EXPECT_LT(run.summary.max_constraint_residual, 1e-13);
-    EXPECT_LT(run.summary.steps, 190) << "rows, not steps, follow the grid";
+    EXPECT_LT(run.summary.max_constraint_residual, 1e-11);
+    if (integrator == Integrator::kDormandPrince8) {
+      EXPECT_LT(run.summary.steps, 60) << "rows, not steps, follow the grid";
+    }
   }
 }
 

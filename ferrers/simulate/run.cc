@@ -17,10 +17,10 @@ double local_tolerance(const SimulationOptions& options) {
   const double tolerance = options.tolerance.value_or(kDefaultTolerance);
   switch (options.integrator.value_or(Integrator::kDormandPrince8)) {
     case Integrator::kGeneralizedAlpha:
-      return 0.1 * tolerance;
+      return 0.05 * tolerance;
     case Integrator::kDormandPrince5:
     case Integrator::kRungeKutta4:
-      return std::min(1e-2 * tolerance, 10 * kLoosest);
+      return std::min(2e-3 * tolerance, 2 * kLoosest);
     default:
       return std::min(1e-3 * tolerance, kLoosest);
   }
@@ -36,7 +36,8 @@ std::vector<int> drives_with_motion(const DynamicsModel& model) {
 
 }  // namespace
 
-Run::Run(std::shared_ptr<const DynamicsModel> model, const SimulationOptions& options, const RunControl& control)
+Run::Run(std::shared_ptr<const DynamicsModel> model, const SimulationOptions& options, const RunControl& control,
+         double looser)
     : model_(std::move(model)),
       options_(options),
       control_(control),
@@ -46,7 +47,7 @@ Run::Run(std::shared_ptr<const DynamicsModel> model, const SimulationOptions& op
       recorder_(model_, options.axes, options.distribution),
       events_(model_),
       limits_(model_),
-      control_steps_(local_tolerance(options), std::max(options.grid.t_end, options.grid.every)),
+      control_steps_(local_tolerance(options), std::max(options.grid.t_end, options.grid.every), looser),
       driven_(evaluator_.equations().driven),
       off_(model_->drives.size(), false) {}
 

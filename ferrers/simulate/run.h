@@ -16,7 +16,9 @@ constexpr double kDefaultTolerance = 1e-9;
 /// it has looked at the model.
 class Run {
  public:
-  Run(std::shared_ptr<const DynamicsModel> model, const SimulationOptions& options, const RunControl& control);
+  /// `looser`: multiplies what steps may err by, rounding too, for a companion (simulate/error_estimate.h).
+  Run(std::shared_ptr<const DynamicsModel> model, const SimulationOptions& options, const RunControl& control,
+      double looser = 1);
   RunSummary go();
 
  private:

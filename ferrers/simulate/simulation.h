@@ -120,7 +120,7 @@ struct RunSummary {
   /// Work of the drives; and of dampers, friction and loads (springs are part of the energy). What they leave
   /// unexplained of the change of energy is the error of the balance.
   std::optional<Work> work;
-  double balance_error = 0;  ///< J: energy_end − energy_start − work.
+  double balance_error = 0;                 ///< J: energy_end − energy_start − work.
   std::optional<MomentumSummary> momentum;  ///< Of simulations.
   std::vector<EventRecord> events;
   std::vector<LimitCrossing> limits;     ///< Joint limits that were crossed.

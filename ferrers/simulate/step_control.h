@@ -12,7 +12,8 @@ namespace ferrers {
 /// that contains it is laid so that the pose falls into the middle of a wide gap between the integrator's stages.
 class StepControl {
  public:
-  StepControl(double tolerance, double longest) : tolerance_(tolerance), longest_(longest) {}
+  StepControl(double tolerance, double longest, double looser = 1)
+      : tolerance_(tolerance), longest_(longest), looser_(looser) {}
 
   /// Takes one step from `state` (evaluated) to `next` (then evaluated), not beyond `t_limit` unless a singular pose is
   /// crossed there. False: no step keeps the error. `crossing` tells whether a predicted singular pose lies in the
@@ -39,7 +40,7 @@ class StepControl {
   double allowed_error(const Evaluator& evaluator, double h, double fastest) const;
   double rounding_error(const Evaluator& evaluator, double h, double fastest) const;
 
-  double tolerance_, longest_;
+  double tolerance_, longest_, looser_;
   double next_ = 0;                      ///< Length proposed for the next step, s; 0: not known.
   double trusted_ = 0;                   ///< The last length whose error was allowed.
   double last_t_ = 0, last_pivot_ = -1;  ///< At the previous accepted step.
