@@ -21,6 +21,16 @@ double bricard_error(Integrator integrator, double step) {
   return (run.point(2, "P3") - kBricardAt2).norm();
 }
 
+// The closed form of the pendulum, by elliptic functions: Bricard's loop flatters the rule of order eight.
+double pendulum_error(Integrator integrator, double step) {
+  SimulationOptions options = plain_run(1, 1);
+  options.integrator = integrator;
+  options.step = step;
+  const ProbedRun run = probe_run(make_pendulum(), options);
+  EXPECT_EQ(run.summary.status, RunStatus::kFinished) << run.summary.message;
+  return (run.point(1, "P") - Vector3d(-0.9862917511318753, -0.1650108531255412, 0)).norm();
+}
+
 struct Order {
   Integrator integrator;
   double step, low, high;
@@ -30,13 +40,14 @@ class IntegratorOrderTest : public ::testing::TestWithParam<Order> {};
 
 TEST_P(IntegratorOrderTest, HalfTheStepGivesTheErrorOfTheOrder) {
   const auto [integrator, step, low, high] = GetParam();
-  const double order = observed_order(bricard_error(integrator, step), bricard_error(integrator, step / 2));
+  const auto error = integrator == Integrator::kDormandPrince8 ? pendulum_error : bricard_error;
+  const double order = observed_order(error(integrator, step), error(integrator, step / 2));
   EXPECT_GT(order, low) << to_string(integrator);
   EXPECT_LT(order, high) << to_string(integrator);
 }
 
 INSTANTIATE_TEST_SUITE_P(Integrators, IntegratorOrderTest,
-                         ::testing::Values(Order{Integrator::kDormandPrince8, 0.25, 7.2, 9.5},
+                         ::testing::Values(Order{Integrator::kDormandPrince8, 0.1, 7.2, 9},
                                            Order{Integrator::kDormandPrince5, 0.05, 4.6, 6.2},
                                            Order{Integrator::kRungeKutta4, 0.05, 3.7, 5},
                                            Order{Integrator::kGeneralizedAlpha, 0.01, 1.9, 2.1},
