@@ -134,10 +134,10 @@ void expect_multiplier_is_the_effort(const ModelSpec& spec, double t) {
   engine.eq = make_equations(*engine.dynamics, driven);
   compute_equations(*engine.dynamics, wanted.state, engine.eq);
   const int m = engine.system->m;
-  std::vector<int> left_out;
-  const Selection selection = extend_selection(engine.selection, engine.eq.constraints.G, m,
-                                               VectorXd::Ones(engine.dynamics->nu()), engine.scaling.columns, left_out);
-  ASSERT_TRUE(left_out.empty());
+  const ExtendedSelection extended = extend_selection(engine.selection, engine.eq.constraints.G, m,
+                                                      VectorXd::Ones(engine.dynamics->nu()), engine.scaling.columns);
+  ASSERT_TRUE(extended.implied.empty() && extended.conflicting.empty());
+  const Selection& selection = extended.selection;
   for (const Formulation formulation : kFormulations) {
     SCOPED_TRACE(to_string(formulation));
     ForwardResult result = make_forward_result(engine.eq);

@@ -179,8 +179,8 @@ Selection reselect(const System& system, const Scaling& scaling, const Constrain
   return out;
 }
 
-Selection extend_selection(const Selection& base, const RowMatrixXd& G, int first_row, const VectorXd& row_scale,
-                           const VectorXd& columns, std::vector<int>& dependent_rows) {
+ExtendedSelection extend_selection(const Selection& base, const RowMatrixXd& G, int first_row,
+                                   const VectorXd& row_scale, const VectorXd& columns) {
   const auto k = static_cast<int>(row_scale.size());
   const RowMatrixXd D = row_scale.asDiagonal() * G.middleRows(first_row, k);
   MatrixXd A = D(Eigen::all, base.independent);
@@ -192,19 +192,21 @@ Selection extend_selection(const Selection& base, const RowMatrixXd& G, int firs
   const int rank = analyze_rank(A, 1.0).decision.rank;
   const std::vector<int> rows = choose_independent_rows(A, rank);
   const std::vector<int> chosen = choose_independent_columns(A(rows, Eigen::all), rank);
-  Selection out = base;
+  ExtendedSelection extended;
+  Selection& out = extended.selection;
+  out = base;
   out.independent.clear();
   for (const int row : rows) out.rows.push_back(first_row + row);
-  dependent_rows.clear();
   for (int row = 0; row < k; ++row) {
-    if (!std::binary_search(rows.begin(), rows.end(), row)) dependent_rows.push_back(row);
+    if (std::binary_search(rows.begin(), rows.end(), row)) continue;
+    (is_negligible(A.row(row).norm(), 1.0) ? extended.implied : extended.conflicting).push_back(row);
   }
   for (int i = 0; i < static_cast<int>(base.independent.size()); ++i) {
     const bool taken = std::binary_search(chosen.begin(), chosen.end(), i);
     (taken ? out.dependent : out.independent).push_back(base.independent[i]);
   }
   std::sort(out.dependent.begin(), out.dependent.end());
-  return out;
+  return extended;
 }
 
 MatrixXd self_stresses_of_selection(const System& system, const Selection& selection, const RowMatrixXd& G) {

@@ -69,7 +69,10 @@ class Evaluator {
   const System& system() const { return *model_->system; }
   const DynamicsModel& model() const { return *model_; }
   const Scaling& scaling() const { return scaling_; }
-  const VectorXd& row_scale() const { return row_scale_; }               ///< Of all rows, driven ones too.
+  const VectorXd& row_scale() const { return row_scale_; }  ///< Of all rows, driven ones too.
+  /// Prescribed drives whose motion the constraints imply by themselves (out of the plane of a planar mechanism, say):
+  /// watched, and without effort.
+  const std::vector<int>& implied_drives() const { return implied_drives_; }
   const Selection& selection() const { return selection_; }              ///< Of all rows, driven ones too.
   const Selection& joint_selection() const { return joint_selection_; }  ///< Of the system's own rows.
   /// Efforts of all drives, nu: laws, and what the prescribed ones turned out to need.
@@ -92,7 +95,8 @@ class Evaluator {
   std::unique_ptr<ForwardSolver> solver_;
   PositionKinematics energy_pos_;
   VelocityKinematics energy_vel_;
-  VectorXd row_scale_;     ///< Of all rows.
+  VectorXd row_scale_;  ///< Of all rows.
+  std::vector<int> implied_drives_;
   std::vector<bool> off_;  ///< Per drive component; empty: all act.
   VectorXd no_force_, residual_rhs_, efforts_;
   ForwardResult correction_;

@@ -111,6 +111,10 @@ bool Run::start() {
                 "more motions are prescribed than the mechanism has; they depend on each other: " +
                     evaluator_.driven_conflict());
   }
+  if (!evaluator_.implied_drives().empty()) {
+    summary_.effort_is_shared.assign(model_->drives.size(), false);
+    for (const int i : evaluator_.implied_drives()) summary_.effort_is_shared[static_cast<std::size_t>(i)] = true;
+  }
   choose_method();
   if (!driven_.empty() && !put_on_laws()) return false;
   if (!solved(evaluator_.evaluate(state_))) return false;

@@ -140,6 +140,25 @@ TEST(DrivenTest, MotionsThatDependOnEachOtherAreRefusedByName) {
   EXPECT_FALSE(run.summary.message.empty());
 }
 
+TEST(DrivenTest, AMotionThatTheConstraintsImplyIsAcceptedAndWatched) {
+  ModelSpec spec = make_pendulum();  // kept in the plane: z of its point is 0 whatever it does
+  DriveSpec path;
+  path.name = "hand";
+  path.point = NameRef("P");
+  path.motion = {law("cos(t*t)"), law("-sin(t*t)"), law("0")};
+  spec.drives = {path};
+  SimulationOptions options = plain_run(1, 0.25);
+  options.driven = true;
+  spec.joints[0].type = JointType::kPlanar;
+  spec.bodies[0].inertia.kind = InertiaSpec::Kind::kTensor;
+  spec.bodies[0].inertia.moments = number3(0.1, 0.1, 0.1);
+  const ProbedRun run = probe_run(spec, options);
+  ASSERT_EQ(run.summary.status, RunStatus::kFinished) << run.summary.message;
+  EXPECT_LT((run.point(1, "P") - Vector3d(std::cos(1.0), -std::sin(1.0), 0)).norm(), 1e-12);
+  ASSERT_EQ(run.summary.effort_is_shared.size(), 3u);
+  EXPECT_EQ(run.summary.effort_is_shared, (std::vector<bool>{false, false, true}));
+}
+
 // --- Going on ---
 
 TEST(RunTest, ARunThatGoesOnIsTheSameRun) {
