@@ -22,7 +22,7 @@ double local_tolerance(const SimulationOptions& options) {
     case Integrator::kRungeKutta4:
       return std::min(2e-3 * tolerance, 2 * kLoosest);
     default:
-      return std::min(1e-3 * tolerance, kLoosest);
+      return std::min((tolerance > 1e-7 ? 4e-4 : 1e-3) * tolerance, kLoosest);
   }
 }
 

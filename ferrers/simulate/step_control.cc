@@ -115,7 +115,8 @@ bool StepControl::step(Evaluator& evaluator, Stepper& stepper, const State& stat
   const double distance = predicted_distance(evaluator, state);
   near_crossing_ = distance < 3 * next_;
   evaluator.note_residual();
-  double first_h = 0, refused_h = 0, refused_error = 0;
+  const double proposed_first = next_;
+  double refused_h = 0, refused_error = 0;
   while (true) {
     crossing_ = false;
     double h = fit_to_crossing(evaluator, stepper, next_, allowed_error(evaluator, next_, fastest), distance);
@@ -145,10 +146,9 @@ bool StepControl::step(Evaluator& evaluator, Stepper& stepper, const State& stat
     const bool no_better = h < 0.75 * refused_h && outcome.error > 0.5 * refused_error;
     if (outcome.finite && no_better && outcome.error <= kLargestLoss) {
       lost_ = std::max(lost_, outcome.error);
-      next_ = first_h;
+      next_ = proposed_first;
       return true;
     }
-    if (first_h == 0) first_h = h;
     refused_h = h;
     refused_error = outcome.error;
     ++summary.rejected_steps;
