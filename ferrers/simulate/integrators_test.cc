@@ -152,6 +152,7 @@ TEST_P(FourBarsTest, EveryToleranceIsMetOrSaidToBeTooTight) {
     SimulationOptions options = plain_run(20, 20);
     options.tolerance = tolerance;
     options.find_singular_poses = false;
+    options.estimate_error = true;
     const ProbedRun run = probe_run(make_n_four_bar(GetParam(), 0, 1), options);
     ASSERT_EQ(run.summary.status, RunStatus::kFinished) << run.summary.message;
     const double error = (run.point(20, "B0") - exact).norm();

@@ -64,6 +64,12 @@ RunSummary Run::go() {
 
 // Springs keep what they take: their part of the work shows in the energy.
 void Run::close_balance() {
+  // Local errors of a thousandth of the tolerance keep it; those of rounding are what they are.
+  const double attainable = 1e3 * StepControl::rounding(evaluator_);
+  if (adaptive_ && attainable > options_.tolerance.value_or(kDefaultTolerance)) {
+    summary_.notices.push_back(fmt::format(
+        "the tolerance may not be reached: rounding allows about {:.0e} in a mechanism of this size", attainable));
+  }
   if (control_steps_.lost() > 0.1 * options_.tolerance.value_or(kDefaultTolerance)) {
     summary_.notices.push_back(fmt::format(
         "rounding allows no better than {:.1e} in some steps (rad, or characteristic lengths): the tolerance "

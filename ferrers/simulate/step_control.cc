@@ -25,8 +25,11 @@ double StepControl::fastest_rate(const Evaluator& evaluator, const State& state)
 
 // Not less than what rounding leaves of the closures.
 double StepControl::allowed_error(const Evaluator& evaluator, double h, double fastest) const {
-  const double rounding = 40 * evaluator.rounding_of_positions() / evaluator.scaling().length_m;
-  return looser_ * std::max(tolerance_ * std::clamp(h * fastest, 1e-3, 1.0), rounding);
+  return looser_ * std::max(tolerance_ * std::clamp(h * fastest, 1e-3, 1.0), rounding(evaluator));
+}
+
+double StepControl::rounding(const Evaluator& evaluator) {
+  return 40 * evaluator.rounding_of_positions() / evaluator.scaling().length_m;
 }
 
 // What rounding alone does with pivots down to `ratio` of healthy ones.

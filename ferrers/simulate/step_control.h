@@ -26,6 +26,8 @@ class StepControl {
   bool near_crossing() const { return near_crossing_; }
   /// Largest local error that was taken although the tolerance does not allow it, because rounding does not allow less.
   double lost() const { return lost_; }
+  /// What rounding leaves in one step, in rad and characteristic lengths: no tolerance of a step is taken below that.
+  static double rounding(const Evaluator& evaluator);
   const Work& work() const { return work_; }  ///< Of the step taken last.
   /// Forgets lengths and pivots: the motion goes on from another state or under other forces.
   void restart();
