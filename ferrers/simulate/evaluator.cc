@@ -56,12 +56,12 @@ void Evaluator::use(Selection joints) {
   joint_selection_ = std::move(joints);
   selection_ = joint_selection_;
   driven_conflict_.clear();
+  implied_drives_.clear();
   if (!eq_.driven.empty()) {
     const long k = static_cast<long>(eq_.driven.size());
     ExtendedSelection extended =
         extend_selection(joint_selection_, eq_.constraints.G, system().m, row_scale_.tail(k), scaling_.columns);
     selection_ = std::move(extended.selection);
-    implied_drives_.clear();
     for (const int row : extended.implied) implied_drives_.push_back(eq_.driven[row]);
     for (const int row : extended.conflicting) {
       driven_conflict_ += (driven_conflict_.empty() ? "" : ", ") + model_->drives[eq_.driven[row]].name;

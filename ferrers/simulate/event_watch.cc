@@ -53,7 +53,7 @@ double EventWatch::refine(std::size_t event, double a, double at_a, double b, do
       at_b = there;
       at_a *= 0.5;  // Illinois: the end that stays counts half
     } else {
-      a = b > t ? t : a;
+      a = t;
       at_a = there;
       at_b *= 0.5;
     }

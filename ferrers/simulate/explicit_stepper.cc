@@ -136,7 +136,7 @@ class ExplicitStepper final : public Stepper {
                    VectorXd& vdot) override {
     if (rule_.dense.empty()) return false;
     if (!dense_known_ && !stages_.extend(evaluator, from)) return false;
-    if (!dense_known_) prepare(evaluator.system(), from, to);
+    if (!dense_known_) prepare(from, to);
     dense_known_ = true;
     evaluate_terms(evaluator.system(), from, t, state, vdot);
     return true;
@@ -194,7 +194,7 @@ class ExplicitStepper final : public Stepper {
   }
 
   // The interpolant's terms: y(θ) = y_0 + θ (F_0 + (1−θ)(F_1 + θ (F_2 + (1−θ)(F_3 + …)))).
-  void prepare(const System& system, const State& from, const State& to) {
+  void prepare(const State& from, const State& to) {
     const double h = stages_.h();
     VectorXd delta(q_.size() + v_.size());
     delta << to.q - from.q, to.v - from.v;
@@ -206,7 +206,6 @@ class ExplicitStepper final : public Stepper {
       terms_.col(3 + static_cast<long>(i)) << q_, v_;
     }
     value_ = rate_ = VectorXd::Zero(delta.size());
-    (void)system;
   }
 
   void evaluate_terms(const System& system, const State& from, double t, State& state, VectorXd& vdot) {

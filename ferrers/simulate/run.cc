@@ -57,13 +57,13 @@ RunSummary Run::go() {
   summary_.evaluations = evaluator_.evaluations();
   summary_.peaks = recorder_.peaks();
   summary_.distribution = recorder_.distribution();
-  close_balance();
+  conclude();
   summary_.wall_time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return std::move(summary_);
 }
 
-// Springs keep what they take: their part of the work shows in the energy.
-void Run::close_balance() {
+// Notices and balances. Springs keep what they take: their part of the work shows in the energy.
+void Run::conclude() {
   // Local errors of a thousandth of the tolerance keep it; those of rounding are what they are.
   const double attainable = 1e3 * StepControl::rounding(evaluator_);
   if (adaptive_ && attainable > options_.tolerance.value_or(kDefaultTolerance)) {
@@ -103,7 +103,7 @@ bool Run::start() {
     }
     state_ = std::move(initial.state);
   }
-  next_ = sample_state_ = probe_state_ = state_;
+  next_ = sample_state_ = state_;
   sample_vdot_ = VectorXd::Zero(system().nv);
   for (int i = 0; i < model_->nu(); ++i) {
     const bool follows = std::find(driven_.begin(), driven_.end(), i) != driven_.end();
@@ -132,7 +132,7 @@ bool Run::start() {
   return true;
 }
 
-bool Run::choose_method() {
+void Run::choose_method() {
   const Integrator integrator = options_.integrator.value_or(Integrator::kDormandPrince8);
   stepper_ = make_stepper(integrator, evaluator_, options_.step.has_value());
   adaptive_ = !options_.step && stepper_->error_order() > 0;
@@ -144,7 +144,6 @@ bool Run::choose_method() {
     summary_.method += fmt::format(", fixed step {:g} s", step_);
   }
   summary_.method += ", " + std::string(to_string(formulation_));
-  return true;
 }
 
 // Prescribed coordinates start where their laws do: walked to in small pieces, then velocities follow.
@@ -306,10 +305,9 @@ bool Run::act(const EventWatch::Hit& hit) {
   }
   cut_work();
   state_at(hit.t, state_, sample_vdot_);
-  std::string message;
-  if (!switch_drive(event, message)) return fail(RunStatus::kBadMotion, message);
-  summary_.events.back().message = message;
+  summary_.events.back().message = switch_drive(event.drive);
   evaluator_.decide(state_, fmt::format("event '{}'", event.name), summary_);
+  if (!meets_laws(event)) return false;
   if (!solved(evaluator_.evaluate(state_))) return false;
   if (!std::isfinite(evaluator_.settle(state_))) return stuck();
   accept_winding(system(), evaluator_.equations().pos, state_);
@@ -323,30 +321,36 @@ bool Run::act(const EventWatch::Hit& hit) {
 // The step's work is known as a whole only: with forces at work the balance of a run that an event cut short is not.
 void Run::cut_work() { work_known_ = work_known_ && work_.drives == 0 && work_.others == 0; }
 
-bool Run::switch_drive(const Event& event, std::string& message) {
+std::string Run::switch_drive(DriveId drive) {
+  std::string told;
   for (int i = 0; i < model_->nu(); ++i) {
-    const DriveComponent& drive = model_->drives[i];
-    if (drive.drive != event.drive) continue;
+    if (model_->drives[i].drive != drive) continue;
     off_[static_cast<std::size_t>(i)] = !off_[static_cast<std::size_t>(i)];
-    message = fmt::format("drive '{}' {}", drive.name, off_[static_cast<std::size_t>(i)] ? "off" : "on");
+    told = fmt::format("drive '{}' {}", model_->drives[i].name, off_[static_cast<std::size_t>(i)] ? "off" : "on");
   }
   std::vector<int> driven;
   for (const int i : driven_) {
     if (!off_[static_cast<std::size_t>(i)]) driven.push_back(i);
   }
   evaluator_.set_drives(std::move(driven), off_);
-  evaluator_.decide(state_, "switch", summary_);
-  summary_.decisions.pop_back();
-  if (!evaluator_.driven_conflict().empty() || evaluator_.equations().driven.empty()) {
-    return evaluator_.driven_conflict().empty();
+  return told;
+}
+
+// A prescribed motion that is switched on must find the mechanism where it begins.
+bool Run::meets_laws(const Event& event) {
+  if (!evaluator_.driven_conflict().empty()) {
+    return fail(RunStatus::kBadMotion,
+                fmt::format("event '{}' at t = {:g} s prescribes more motions than there are: {}", event.name, state_.t,
+                            evaluator_.driven_conflict()));
   }
-  evaluator_.evaluate(state_);
-  if (evaluator_.left_out_residual() <= 1e-6 * evaluator_.scaling().length_m) return true;
-  message = fmt::format(
-      "event '{}' switches a prescribed motion on at t = {:g} s, but the mechanism is elsewhere (by "
-      "{:g} m or as many characteristic lengths)",
-      event.name, state_.t, evaluator_.left_out_residual());
-  return false;
+  if (evaluator_.equations().driven.empty()) return true;
+  const double off_by = evaluator_.left_out_residual();
+  if (off_by <= 1e-6 * evaluator_.scaling().length_m) return true;
+  return fail(
+      RunStatus::kBadMotion,
+      fmt::format("event '{}' switches a prescribed motion on at t = {:g} s, but the mechanism is elsewhere (by "
+                  "{:g} m, angles times the characteristic length)",
+                  event.name, state_.t, off_by));
 }
 
 void Run::note_singular_pose() {

@@ -22,11 +22,11 @@ class Run {
   RunSummary go();
 
  private:
-  void close_balance();
+  void conclude();
   void cut_work();
   bool fail(RunStatus status, std::string message);
   bool start();
-  bool choose_method();
+  void choose_method();
   bool put_on_laws();
   bool solved(ForwardStatus status);
   bool stuck();
@@ -38,7 +38,8 @@ class Run {
   bool emit_until(double t, const std::vector<double>& times, std::size_t& due);
   void state_at(double t, State& state, VectorXd& vdot);
   bool act(const EventWatch::Hit& hit);
-  bool switch_drive(const Event& event, std::string& message);
+  std::string switch_drive(DriveId drive);
+  bool meets_laws(const Event& event);
   void note_singular_pose();
 
   bool emit_here();
@@ -61,7 +62,7 @@ class Run {
   RunSummary summary_;
   State state_, next_;
   Hermite between_;  ///< The step taken last.
-  State sample_state_, probe_state_;
+  State sample_state_;
   VectorXd sample_vdot_;
   Work work_;
   std::vector<int> driven_;

@@ -56,8 +56,7 @@ double StepControl::predicted_distance(Evaluator& evaluator, const State& state)
 // The same with pivots looked up ahead, on the parabola that the motion starts along. `state` is evaluated afterwards.
 double StepControl::refined_distance(Evaluator& evaluator, const State& state, double distance) {
   double t = 0, pivot = evaluator.pivot();
-  displacement_ = evaluator.result().vdot;  // kept: probing overwrites it
-  const VectorXd vdot = displacement_;
+  const VectorXd vdot = evaluator.result().vdot;  // probing overwrites it
   for (const double fraction : {0.6, 0.85}) {
     const double ahead = fraction * distance;
     if (ahead <= t) break;
