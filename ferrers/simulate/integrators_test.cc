@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "ferrers/testing/closed_forms.h"
 #include "ferrers/testing/finite_difference.h"
 #include "ferrers/testing/run_probe.h"
 #include "ferrers/testing/zoo.h"
@@ -130,24 +131,8 @@ TEST_P(FourBarsTest, TwentySecondsPassEveryHorizontalPoseAndKeepTheEnergy) {
   for (const SingularPose& pose : run.summary.singular_poses) EXPECT_EQ(pose.mobility, GetParam() + 1);
 }
 
-// The tip after 20 s by the closed form of the parallelogram branch, in extended precision.
-Vector3d exact_tip(int n, double t_end) {
-  const long double ratio = ((n + 1) / 2.0L + n) * 9.81L / ((n + 1) / 3.0L + n);
-  const long steps = 100000;
-  const long double h = static_cast<long double>(t_end) / steps;
-  long double a = 0, w = 1;
-  for (long i = 0; i < steps; ++i) {
-    const long double a1 = w, w1 = ratio * std::sin(a), a2 = w + h / 2 * w1, w2 = ratio * std::sin(a + h / 2 * a1);
-    const long double a3 = w + h / 2 * w2, w3 = ratio * std::sin(a + h / 2 * a2);
-    const long double a4 = w + h * w3, w4 = ratio * std::sin(a + h * a3);
-    a += h / 6 * (a1 + 2 * a2 + 2 * a3 + a4);
-    w += h / 6 * (w1 + 2 * w2 + 2 * w3 + w4);
-  }
-  return {static_cast<double>(std::sin(a)), static_cast<double>(std::cos(a)), 0};
-}
-
 TEST_P(FourBarsTest, EveryToleranceIsMetOrSaidToBeTooTight) {
-  const Vector3d exact = exact_tip(GetParam(), 20);
+  const Vector3d exact = parallelogram_tip(GetParam(), 20);
   for (const double tolerance : {1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12}) {
     SimulationOptions options = plain_run(20, 20);
     options.tolerance = tolerance;

@@ -5,56 +5,12 @@
 #include <cmath>
 #include <numbers>
 
-#include "ferrers/testing/finite_difference.h"
 #include "ferrers/testing/run_probe.h"
 #include "ferrers/testing/zoo.h"
 #include "ferrers/testing/zoo_parts.h"
 
 namespace ferrers::witness {
 namespace {
-
-// --- Orders of convergence, on closed forms ---
-
-/// Error of the pendulum's bob at t = 1 (elliptic functions, see benchmarks_test.cc) with fixed steps.
-double pendulum_error(Integrator integrator, double step) {
-  SimulationOptions options = plain_run(1, 1);
-  options.integrator = integrator;
-  options.step = step;
-  const ProbedRun run = probe_run(make_pendulum(), options);
-  EXPECT_EQ(run.summary.status, RunStatus::kFinished) << run.summary.message;
-  EXPECT_EQ(run.summary.steps, std::lround(1 / step));
-  return (run.point(1, "P") - Vector3d(-0.9862917511318753, -0.1650108531255412, 0)).norm();
-}
-
-/// Error of the Bricard loop at t = 0.5 against its converged integration.
-double bricard_error(Integrator integrator, double step) {
-  SimulationOptions options = plain_run(0.5, 0.5);
-  options.integrator = integrator;
-  options.step = step;
-  const ProbedRun run = probe_run(make_bricard(BricardRods::kBricks), options);
-  EXPECT_EQ(run.summary.status, RunStatus::kFinished) << run.summary.message;
-  return (run.point(0.5, "P3") - Vector3d(0.774717808039, -0.979815047656, -0.199906158953)).norm();
-}
-
-TEST(SimulationTest, RungeKuttaIsOfFourthOrder) {
-  const double coarse = pendulum_error(Integrator::kRungeKutta4, 0.01);
-  const double fine = pendulum_error(Integrator::kRungeKutta4, 0.005);
-  EXPECT_GT(observed_order(coarse, fine), 3.8);
-  EXPECT_LT(observed_order(coarse, fine), 4.3);
-  const double loop_coarse = bricard_error(Integrator::kRungeKutta4, 0.025);
-  const double loop_fine = bricard_error(Integrator::kRungeKutta4, 0.0125);
-  EXPECT_GT(observed_order(loop_coarse, loop_fine), 3.8);
-  EXPECT_LT(observed_order(loop_coarse, loop_fine), 4.3);
-}
-
-TEST(SimulationTest, ConstantAccelerationsAreOfFirstOrder) {
-  for (const auto& error : {pendulum_error, bricard_error}) {
-    const double coarse = error(Integrator::kConstantAcceleration, 1e-3);
-    const double fine = error(Integrator::kConstantAcceleration, 5e-4);
-    EXPECT_GT(observed_order(coarse, fine), 0.9);
-    EXPECT_LT(observed_order(coarse, fine), 1.1);
-  }
-}
 
 TEST(SimulationTest, OneStepOfConstantAccelerationIsThePapersFormula) {
   SimulationOptions options = plain_run(0.01, 0.01);

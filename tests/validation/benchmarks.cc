@@ -1,7 +1,6 @@
 #include "benchmarks.h"
 
-#include <cmath>
-
+#include "ferrers/testing/closed_forms.h"
 #include "ferrers/testing/zoo.h"
 
 namespace ferrers::validation {
@@ -33,22 +32,6 @@ Benchmark pendulum() {
   return b;
 }
 
-// θ'' = (G/I) sin θ from upright with θ' = 1, by the classical rule with 2·10⁵ steps in extended precision.
-std::pair<double, double> parallelogram(int n, double t_end) {
-  const long double ratio = ((n + 1) / 2.0L + n) * 9.81L / ((n + 1) / 3.0L + n);
-  const long steps = 200000;
-  const long double h = static_cast<long double>(t_end) / steps;
-  long double a = 0, w = 1;
-  for (long i = 0; i < steps; ++i) {
-    const long double a1 = w, w1 = ratio * std::sin(a), a2 = w + h / 2 * w1, w2 = ratio * std::sin(a + h / 2 * a1);
-    const long double a3 = w + h / 2 * w2, w3 = ratio * std::sin(a + h / 2 * a2);
-    const long double a4 = w + h * w3, w4 = ratio * std::sin(a + h * a3);
-    a += h / 6 * (a1 + 2 * a2 + 2 * a3 + a4);
-    w += h / 6 * (w1 + 2 * w2 + 2 * w3 + w4);
-  }
-  return {static_cast<double>(std::sin(a)), static_cast<double>(std::cos(a))};
-}
-
 Benchmark four_bars(int n) {
   Benchmark b{
       "A02 N=" + std::to_string(n),
@@ -71,11 +54,11 @@ Benchmark four_bars(int n) {
     add_point(b, "B0", 1, {-0.1153568806321099, -0.9933241113004502}, 1);
     add_point(b, "B0", 10, {0.1805122266867284, 0.9835727405823116}, 1);
   } else {
-    const auto [x, y] = parallelogram(n, 10);
-    add_point(b, "B0", 10, {x, y}, 1);
+    const Vector3d tip = witness::parallelogram_tip(n, 10);
+    add_point(b, "B0", 10, {tip.x(), tip.y()}, 1);
   }
-  const auto [x, y] = parallelogram(n, 20);
-  add_point(b, "B0", 20, {x, y}, 1);
+  const Vector3d tip = witness::parallelogram_tip(n, 20);
+  add_point(b, "B0", 20, {tip.x(), tip.y()}, 1);
   return b;
 }
 
