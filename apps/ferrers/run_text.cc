@@ -138,10 +138,10 @@ std::string witnesses_text(const RunSummary& summary) {
                                          rough(*summary.error_estimate)));
   }
   if (summary.work && (summary.work->drives != 0 || summary.work->others != 0)) {
-    text += line("work", fmt::format("of drives {} J, of dampers, friction and loads {} J; the balance of energy is off "
-                                     "by {} J",
-                                     number(summary.work->drives), number(summary.work->others),
-                                     rough(summary.balance_error)));
+    text += line("work",
+                 fmt::format("of drives {} J, of dampers, friction and loads {} J; the balance of energy is off "
+                             "by {} J",
+                             number(summary.work->drives), number(summary.work->others), rough(summary.balance_error)));
   }
   if (summary.momentum) {
     const MomentumSummary& m = *summary.momentum;
@@ -159,9 +159,9 @@ std::string events_text(const RunSummary& summary) {
   const std::size_t shown = std::min(summary.events.size(), kMostDecisions);
   for (std::size_t i = 0; i < shown; ++i) {
     const EventRecord& one = summary.events[i];
-    const std::string what = !one.message.empty()                           ? one.message
+    const std::string what = !one.message.empty()                     ? one.message
                              : one.action == EventSpec::Action::kStop ? "the run ends"
-                                                                            : "a row of its own";
+                                                                      : "a row of its own";
     text += line(i == 0 ? "events" : "", fmt::format("t = {:.9g} s: '{}': {}", one.t, one.name, what));
   }
   if (shown < summary.events.size()) {

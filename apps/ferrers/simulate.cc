@@ -51,7 +51,8 @@ void add_method_options(CLI::App& verb, Options& options) {
           fmt::format("{} [by the size of the mechanism]", fmt::join(formulation_names(), ", ")))
       ->type_name("NAME")
       ->check(one_of(formulation_names()));
-  verb.add_flag("--driven", options.simulation.driven, "drives with a motion law follow it, the others act by their effort");
+  verb.add_flag("--driven", options.simulation.driven,
+                "drives with a motion law follow it, the others act by their effort");
   verb.add_option("--restart", options.restart, "go on from where the run in this folder ended")->type_name("FOLDER");
   verb.add_flag("--quick", options.quick, "without the second run that estimates the error");
 }

@@ -63,8 +63,7 @@ class Reader {
     accept_winding(system_, pos, state_);
     for (std::size_t j = 0; j < joints.size(); ++j) {
       const JointTypeInfo& type = joint_type_info(joints[j].type);
-      const JointMotion motion =
-          measure_joint(system_, JointId(j), state_, VectorXd::Zero(system_.nv), pos, vel);
+      const JointMotion motion = measure_joint(system_, JointId(j), state_, VectorXd::Zero(system_.nv), pos, vel);
       for (int i = 0; i < type.nq; ++i) {
         const double wanted = value(position_column(joints[j], i));
         if (!(std::abs(motion.q[i] - wanted) <= 1e-6 * std::max(1.0, std::abs(wanted)))) {

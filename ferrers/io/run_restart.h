@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
-#include "ferrers/kinematics/system.h"
 #include "ferrers/kinematics/state.h"
+#include "ferrers/kinematics/system.h"
 
 namespace ferrers {
 

@@ -259,9 +259,29 @@ std::string write_summary_json(const RunDocument& document) {
   if (document.summary != nullptr) {
     add_summary(document, out);
   } else {
-    for (const char* key : {"status", "message", "method", "t_reached", "steps", "rejected", "evaluations",
-                            "smallest_step_s", "largest_step_s", "wall_time_s", "max_constraint_residual_m", "energy",
-                            "balance", "momentum", "error_estimate", "events", "joint_limits", "decisions", "singular_poses", "notices", "distribution", "drives", "joints"}) {
+    for (const char* key : {"status",
+                            "message",
+                            "method",
+                            "t_reached",
+                            "steps",
+                            "rejected",
+                            "evaluations",
+                            "smallest_step_s",
+                            "largest_step_s",
+                            "wall_time_s",
+                            "max_constraint_residual_m",
+                            "energy",
+                            "balance",
+                            "momentum",
+                            "error_estimate",
+                            "events",
+                            "joint_limits",
+                            "decisions",
+                            "singular_poses",
+                            "notices",
+                            "distribution",
+                            "drives",
+                            "joints"}) {
       out[key] = nullptr;
     }
   }
