@@ -3,11 +3,15 @@
 #include "ferrers/dynamics/friction.h"
 
 namespace ferrers {
+namespace {
+
+constexpr std::size_t kMostLawInputs = 64;  // checked when a law is bound
+
+}  // namespace
 
 double BoundLaw::evaluate(const System& system, const State& state, const PositionKinematics& pos,
                           const VelocityKinematics& vel) const {
-  constexpr int kMaxInputs = 64;  // checked when the law is bound
-  double values[kMaxInputs];
+  double values[kMostLawInputs];
   for (std::size_t i = 0; i < kinds.size(); ++i) {
     if (kinds[i] == LawInput::Kind::kTime) {
       values[i] = state.t;
@@ -34,6 +38,7 @@ class Binder {
     }
     bind_friction();
     for (std::size_t d = 0; d < model().drives().size(); ++d) bind_drive(DriveId(d));
+    for (const Event& event : model().events()) model_->events.push_back(bind_law(event.when));
     model_->has_forces = !model_->springs.empty() || !model_->torsion_springs.empty() || !model_->bushings.empty() ||
                          !model_->loads.empty();
     return model_;
@@ -59,7 +64,7 @@ class Binder {
   BoundLaw bind_law(const Law& law) {
     BoundLaw bound;
     bound.law = law;
-    if (law.inputs().size() > 64) model_->unsupported.emplace_back("a law that reads more than 64 quantities");
+    if (law.inputs().size() > kMostLawInputs) model_->unsupported.emplace_back("a law that reads more than 64 quantities");
     for (const LawInput& input : law.inputs()) {
       bound.kinds.push_back(input.kind);
       bound.accesses.push_back(input.kind == LawInput::Kind::kTime ? CoordinateAccess()

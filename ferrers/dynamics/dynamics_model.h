@@ -83,6 +83,7 @@ struct DynamicsModel {
   std::vector<BoundFriction> frictions;      ///< Dry friction; depends on reactions.
   int friction_slips = 0;                    ///< nf: slips of all frictions.
   std::vector<DriveComponent> drives;        ///< nu of them.
+  std::vector<BoundLaw> events;              ///< Formulas of `Model::events()`.
   std::vector<std::string> massless_bodies;  ///< Bodies without a given mass: dynamics must refuse them.
   std::vector<std::string> unsupported;      ///< What the model asks and the dynamics cannot do, in words.
   bool has_forces = false;

@@ -7,20 +7,36 @@
 namespace ferrers {
 namespace {
 
-// Where the cubic with values and slopes (per unit of s) at s = 0 and s = 1 passes zero; its ends differ in sign.
-double zero_of_cubic(double f0, double d0, double f1, double d1) {
+// The cubic with values and slopes (per unit of s) given at s = 0 and s = 1.
+struct Cubic {
+  double f0, d0, f1, d1;
+  double value(double s) const {
+    const double r = 1 - s;
+    return r * r * ((1 + 2 * s) * f0 + s * d0) + s * s * ((1 + 2 * r) * f1 - r * d1);
+  }
+  double slope(double s) const {
+    const double r = 1 - s;
+    return 6 * r * s * (f1 - f0) + r * (1 - 3 * s) * d0 + s * (3 * s - 2) * d1;
+  }
+};
+
+// Where `f` changes its sign between 0 and 1; `end`: f(1).
+template <typename Function>
+double zero_between(double end, const Function& f) {
   double low = 0, high = 1;
   for (int i = 0; i < 60; ++i) {
-    const double s = 0.5 * (low + high), r = 1 - s;
-    const double value = r * r * ((1 + 2 * s) * f0 + s * d0) + s * s * ((1 + 2 * r) * f1 - r * d1);
-    ((value > 0) == (f1 > 0) ? high : low) = s;
+    const double s = 0.5 * (low + high);
+    ((f(s) > 0) == (end > 0) ? high : low) = s;
   }
   return high;
 }
 
 }  // namespace
 
-LimitWatch::LimitWatch(std::shared_ptr<const DynamicsModel> model) : model_(std::move(model)) {
+LimitWatch::LimitWatch(std::shared_ptr<const DynamicsModel> model)
+    : model_(std::move(model)),
+      pos_(make_position_kinematics(*model_->system)),
+      vel_(make_velocity_kinematics(*model_->system)) {
   const auto& joints = model_->system->model->joints();
   for (std::size_t j = 0; j < joints.size(); ++j) {
     if (!joints[j].limits) continue;
@@ -29,21 +45,35 @@ LimitWatch::LimitWatch(std::shared_ptr<const DynamicsModel> model) : model_(std:
   }
 }
 
+// From one end to the other without a maximum between them.
+void LimitWatch::pass(Watched& one, int side, const End& from, const End& to) {
+  if (to.beyond > 0 && from.beyond <= 0 && one.count[side]++ == 0) {
+    const double dt = to.t - from.t;
+    const Cubic cubic = {from.beyond, dt * from.rate, to.beyond, dt * to.rate};
+    one.t[side] = from.t + dt * zero_between(to.beyond, [&](double s) { return cubic.value(s); });
+  }
+  if (to.beyond > one.excess[side]) {
+    one.excess[side] = to.beyond;
+    one.excess_t[side] = to.t;
+  }
+}
+
 void LimitWatch::follow(Watched& one, int side, double t, double value, double rate) {
   const double sign = side == 0 ? -1 : 1;
   // A coordinate that rests on its limit is not beyond it by rounding.
   const double limit = one.limits[side] + sign * 1e-12 * (1 + std::abs(one.limits[side]));
-  const double beyond = sign * (value - limit);
-  const double before = started_ ? sign * (one.value - limit) : -1;
-  if (beyond > 0 && before <= 0 && one.count[side]++ == 0) {
+  const End to = {t, sign * (value - limit), sign * rate};
+  if (!started_) return pass(one, side, {t, -1, 0}, to);
+  End from = {t_, sign * (one.value - limit), sign * one.rate};
+  if (t > t_ && from.rate > 0 && to.rate < 0) {  // it turned round on the way
     const double dt = t - t_;
-    one.t[side] =
-        started_ && dt > 0 ? t_ + dt * zero_of_cubic(before, sign * dt * one.rate, beyond, sign * dt * rate) : t;
+    const Cubic cubic = {from.beyond, dt * from.rate, to.beyond, dt * to.rate};
+    const double s = zero_between(to.rate, [&](double at) { return cubic.slope(at); });
+    const End top = {t_ + s * dt, cubic.value(s), 0};
+    pass(one, side, from, top);
+    from = top;
   }
-  if (beyond > one.excess[side]) {
-    one.excess[side] = beyond;
-    one.excess_t[side] = t;
-  }
+  pass(one, side, from, to);
 }
 
 void LimitWatch::observe(const State& state, const PositionKinematics& pos, const VelocityKinematics& vel) {
@@ -55,6 +85,12 @@ void LimitWatch::observe(const State& state, const PositionKinematics& pos, cons
   }
   started_ = true;
   t_ = state.t;
+}
+
+void LimitWatch::observe(const State& state) {
+  compute_positions(*model_->system, state.q, pos_);
+  compute_velocities(*model_->system, pos_, state.q, state.v, vel_);
+  observe(state, pos_, vel_);
 }
 
 std::vector<LimitCrossing> LimitWatch::crossings() const {

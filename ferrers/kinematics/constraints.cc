@@ -140,6 +140,17 @@ void accept_winding(const System& system, const PositionKinematics& pos, State& 
   }
 }
 
+double fastest_turn(const System& system, const PositionKinematics& pos, const VelocityKinematics& vel) {
+  double fastest = 0;
+  for (const CutJoint& cut : system.cuts) {
+    if (cut.type->winding_count == 0) continue;
+    Jet angles[2];
+    cut.type->angles(cut.constants, compute_relative_motion(cut.frames, pos, vel), angles);
+    for (int i = 0; i < cut.type->winding_count; ++i) fastest = std::max(fastest, std::abs(angles[i].rate));
+  }
+  return fastest;
+}
+
 void compute_joint_rows(const System& system, JointId id, const State& state, const PositionKinematics& pos,
                         const VelocityKinematics& acc, RelativeMotion& motion, Jet* rows) {
   const Joint& joint = system.model->joint(id);

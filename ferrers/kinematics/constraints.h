@@ -38,6 +38,9 @@ void add_jet_row(const System& system, const FramePair& pair, const PositionKine
 /// The turns of all cut angles at these poses, continued from `state.winding`.
 void accept_winding(const System& system, const PositionKinematics& pos, State& state);
 
+/// The fastest of these turns, rad/s. What goes on for longer than π over it loses count.
+double fastest_turn(const System& system, const PositionKinematics& pos, const VelocityKinematics& vel);
+
 /// Jets of all rows of one joint (in the tree or cut) at these poses, world axes at p_M; `acc` as above.
 /// Shapes: row_count of the joint's type. A tree joint's rows vanish by construction; their wrenches W matter.
 void compute_joint_rows(const System& system, JointId joint, const State& state, const PositionKinematics& pos,

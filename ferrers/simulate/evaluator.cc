@@ -134,6 +134,11 @@ ForwardStatus Evaluator::evaluate(const State& state) {
   return result_.status;
 }
 
+double Evaluator::longest_followed_turn() const {
+  constexpr double kFarthest = 2;  // rad; from π on the count is lost
+  return kFarthest / fastest_turn(system(), eq_.pos, eq_.vel);
+}
+
 double Evaluator::rounding_of_positions() const {
   double place = 0;
   for (std::size_t i = 1; i < eq_.pos.nodes.size(); ++i) place = std::max(place, eq_.pos.nodes[i].p.squaredNorm());

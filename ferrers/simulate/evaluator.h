@@ -51,6 +51,9 @@ class Evaluator {
   void restore_energy(const State& from, const Work& work, State& to);
   /// Power of the applied forces at the last evaluation, which was at `state`.
   Work power(const State& state) const;
+  /// Length of a step in which no joint that closes a loop turns so far that its turns are lost count of, s, as things
+  /// move at the last evaluation; infinity where nothing turns.
+  double longest_followed_turn() const;
   bool is_worn() const;
   /// Smallest pivot of the evaluations since `reset_watch`, over the best one known: how much rounding is amplified.
   double smallest_pivot_ratio() const { return best_pivot_ > 0 ? smallest_pivot_ / best_pivot_ : 1; }

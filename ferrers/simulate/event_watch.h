@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "ferrers/dynamics/dynamics_model.h"
@@ -10,13 +11,14 @@
 ///
 /// Given: the step as dense output. Wanted: the earliest zero after the step's start. Signs are compared at eighths of
 /// the step, so that two zeros nearer to each other than that may be missed; then regula falsi (Illinois) to rounding.
-/// A formula that is zero at the start, or that has just acted, must leave zero before it acts again.
+/// A formula that is zero at the start, or that has just acted, must leave zero before it acts again. One that is not a
+/// number anywhere ends the run.
 namespace ferrers {
 
 class EventWatch {
  public:
   explicit EventWatch(std::shared_ptr<const DynamicsModel> model);
-  bool any() const { return !laws_.empty(); }
+  bool any() const { return !model_->events.empty(); }
 
   /// Remembers on which side of zero the formulas are at `state`.
   void start(const State& state);
@@ -25,8 +27,11 @@ class EventWatch {
     double t = 0;
     int event = 0;  ///< Index into `Model::events()`.
   };
-  /// `state_at(t, state)` gives the state within (from, to].
+  /// `state_at(t, state)` gives the state within (from, to]. Nothing where `broken()` is set.
   std::optional<Hit> find(double from, double to, const std::function<void(double, State&)>& state_at);
+
+  /// The event whose formula turned out to be no number, and when; empty: none.
+  const std::string& broken() const { return broken_; }
 
   /// The event acted at `state`: its side of zero is taken anew from what follows.
   void acted(int event) { sides_[static_cast<std::size_t>(event)] = 0; }
@@ -37,11 +42,11 @@ class EventWatch {
                 const std::function<void(double, State&)>& state_at);
 
   std::shared_ptr<const DynamicsModel> model_;
-  std::vector<BoundLaw> laws_;
   std::vector<int> sides_;  ///< −1, 1; 0: not known.
   PositionKinematics pos_;
   VelocityKinematics vel_;
   State probe_;
+  std::string broken_;
 };
 
 }  // namespace ferrers

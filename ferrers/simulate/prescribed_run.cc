@@ -130,6 +130,9 @@ class PrescribedRun {
     for (std::string& notice : describe_sampled_laws(model, LawUse::kMotion, 0, options_.grid.t_end)) {
       summary_.notices.push_back(std::move(notice));
     }
+    if (!model.events().empty()) {
+      summary_.notices.emplace_back("events act in simulations only: those of this model are not watched here");
+    }
     if (options_.with_efforts) tell_sharing();
     for (const LimitCrossing& one : limits_.crossings()) summary_.notices.push_back(ferrers::describe(one));
     summary_.peaks = recorder_.peaks();

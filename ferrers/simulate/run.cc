@@ -7,6 +7,8 @@
 #include <cmath>
 #include <utility>
 
+#include "ferrers/dynamics/law_notices.h"
+
 namespace ferrers {
 namespace {
 
@@ -24,6 +26,13 @@ double local_tolerance(const SimulationOptions& options) {
     default:
       return std::min((tolerance > 1e-7 ? 4e-4 : 1e-3) * tolerance, kLoosest);
   }
+}
+
+// An event on the output grid, but for rounding, is on the grid.
+double on_grid(const std::vector<double>& times, double t) {
+  const double slack = 1e-12 * std::abs(t);
+  const auto next = std::lower_bound(times.begin(), times.end(), t - slack);
+  return next != times.end() && *next - t <= slack ? *next : t;
 }
 
 std::vector<int> drives_with_motion(const DynamicsModel& model) {
@@ -78,8 +87,13 @@ void Run::conclude() {
   }
   for (const LimitCrossing& crossing : limits_.crossings()) summary_.notices.push_back(describe(crossing));
   summary_.limits = limits_.crossings();
+  for (const LawUse use : {LawUse::kMotion, LawUse::kEffort}) {
+    if (use == LawUse::kMotion && !options_.driven) continue;
+    for (std::string& notice : describe_sampled_laws(*system().model, use, begin_, options_.grid.t_end)) {
+      summary_.notices.push_back(std::move(notice));
+    }
+  }
   work_.others += elastic_ - elastic_start_;
-  if (!work_known_) return;
   summary_.work = work_;
   summary_.balance_error = summary_.energy_end - summary_.energy_start - work_.drives - work_.others;
 }
@@ -104,6 +118,7 @@ bool Run::start() {
     state_ = std::move(initial.state);
   }
   next_ = sample_state_ = state_;
+  begin_ = state_.t;
   sample_vdot_ = VectorXd::Zero(system().nv);
   for (int i = 0; i < model_->nu(); ++i) {
     const bool follows = std::find(driven_.begin(), driven_.end(), i) != driven_.end();
@@ -207,14 +222,10 @@ bool Run::stuck() {
 
 void Run::march() {
   const std::vector<double> times = options_.grid.times();
-  const auto observe = [this] {
-    if (limits_.any()) limits_.observe(state_, evaluator_.equations().pos, evaluator_.equations().vel);
-  };
-  observe();
+  if (limits_.any()) limits_.observe(state_, evaluator_.equations().pos, evaluator_.equations().vel);
   auto due = static_cast<std::size_t>(std::upper_bound(times.begin(), times.end(), state_.t) - times.begin());
   while (due < times.size()) {
     if (!take_step(times, due) || !finish_step(times, due)) return;
-    observe();
     if (control_.on_progress) control_.on_progress(state_.t);
     if (control_.stop && control_.stop->load(std::memory_order_relaxed)) {
       fail(RunStatus::kStopped, fmt::format("interrupted at t = {:g} s", summary_.t_reached));
@@ -224,6 +235,7 @@ void Run::march() {
 }
 
 bool Run::take_step(const std::vector<double>& times, std::size_t due) {
+  work_before_ = work_;
   between_.from = state_;
   between_.from_vdot = evaluator_.result().vdot;
   if (adaptive_) {
@@ -234,7 +246,8 @@ bool Run::take_step(const std::vector<double>& times, std::size_t due) {
     if (times.back() - next_.t < 1e-13 * std::abs(times.back()) && next_.t < times.back()) next_.t = times.back();
   } else {  // of equal length, landing on the next row
     const double left = times[due] - state_.t;
-    const double count = std::max(1.0, std::ceil(left / step_ * (1 - 1e-9)));
+    const double longest = std::min(step_, evaluator_.longest_followed_turn());
+    const double count = std::max(1.0, std::ceil(left / longest * (1 - 1e-9)));
     const Stepper::Outcome outcome = stepper_->step(evaluator_, state_, left / count, next_);
     if (!outcome.finite) return stuck();
     if (count < 1.5) next_.t = times[due];
@@ -270,14 +283,16 @@ bool Run::finish_step(const std::vector<double>& times, std::size_t& due) {
   double from = between_.from.t;
   const auto probe = [this](double t, State& state) { state_at(t, state, sample_vdot_); };
   while (events_.any()) {
-    const auto hit = events_.find(from, state_.t, probe);
+    auto hit = events_.find(from, state_.t, probe);
+    if (!events_.broken().empty()) return fail(RunStatus::kBadMotion, events_.broken());
     if (!hit) break;
+    hit->t = on_grid(times, hit->t);
     if (!emit_until(hit->t, times, due)) return false;
-    const double end = state_.t;
     if (!act(*hit)) return false;
-    if (state_.t < end) return true;  // the rest of the step did not happen
+    if (switched_) return true;  // the rest of the step did not happen
     from = hit->t;
   }
+  watch_limits(state_.t);
   if (crossing_ && options_.find_singular_poses) note_singular_pose();
   if (!emit_until(state_.t, times, due)) return false;
   return !moved_ || solved(evaluator_.evaluate(state_));
@@ -293,18 +308,15 @@ void Run::state_at(double t, State& state, VectorXd& vdot) {
 bool Run::act(const EventWatch::Hit& hit) {
   const Event& event = system().model->events()[static_cast<std::size_t>(hit.event)];
   summary_.events.push_back({event.name, hit.t, event.action, ""});
-  switch (event.action) {
-    case EventSpec::Action::kRecord:
-      return emit_between(hit.t);
-    case EventSpec::Action::kStop:
-      cut_work();
-      if (!emit_between(hit.t)) return false;
-      return fail(RunStatus::kStoppedByEvent, fmt::format("event '{}' at t = {:g} s", event.name, hit.t));
-    case EventSpec::Action::kSwitch:
-      break;
+  const bool has_row = summary_.t_reached == hit.t;
+  switched_ = event.action == EventSpec::Action::kSwitch;
+  if (event.action == EventSpec::Action::kRecord) return has_row || emit_between(hit.t);
+  watch_limits(hit.t);
+  if (!land_on(hit.t)) return false;
+  if (event.action == EventSpec::Action::kStop) {
+    if (!has_row && !emit_here()) return false;
+    return fail(RunStatus::kStoppedByEvent, fmt::format("event '{}' at t = {:g} s", event.name, hit.t));
   }
-  cut_work();
-  state_at(hit.t, state_, sample_vdot_);
   summary_.events.back().message = switch_drive(event.drive);
   evaluator_.decide(state_, fmt::format("event '{}'", event.name), summary_);
   if (!meets_laws(event)) return false;
@@ -313,13 +325,38 @@ bool Run::act(const EventWatch::Hit& hit) {
   accept_winding(system(), evaluator_.equations().pos, state_);
   stepper_ = make_stepper(options_.integrator.value_or(Integrator::kDormandPrince8), evaluator_, !adaptive_);
   control_steps_.restart();
-  events_.start(state_);
   events_.acted(hit.event);
   return true;
 }
 
-// The step's work is known as a whole only: with forces at work the balance of a run that an event cut short is not.
-void Run::cut_work() { work_known_ = work_known_ && work_.drives == 0 && work_.others == 0; }
+// The step taken last again, but only to `t`: a run that ends there, or goes on otherwise, must know its work.
+bool Run::land_on(double t) {
+  const double h = t - between_.from.t;
+  state_ = between_.from;
+  work_ = work_before_;
+  moved_ = false;
+  if (!solved(evaluator_.evaluate(state_))) return false;
+  if (h <= 0) return true;
+  const Stepper::Outcome outcome = stepper_->step(evaluator_, between_.from, h, next_);
+  if (!outcome.finite) return stuck();
+  std::swap(state_, next_);
+  state_.t = t;
+  accept_winding(system(), evaluator_.equations().pos, state_);
+  work_.drives += outcome.work.drives;
+  work_.others += outcome.work.others;
+  return true;
+}
+
+// Joints may leave their limits and come back within a step.
+void Run::watch_limits(double until) {
+  if (!limits_.any()) return;
+  constexpr int kPieces = 4;
+  const double from = std::max(between_.from.t, limits_.last_t());
+  for (int i = 1; i <= kPieces && until > from; ++i) {
+    between_.evaluate(system(), from + (until - from) * i / kPieces, sample_state_, sample_vdot_);
+    limits_.observe(sample_state_);
+  }
+}
 
 std::string Run::switch_drive(DriveId drive) {
   std::string told;
@@ -345,12 +382,21 @@ bool Run::meets_laws(const Event& event) {
   }
   if (evaluator_.equations().driven.empty()) return true;
   const double off_by = evaluator_.left_out_residual();
-  if (off_by <= 1e-6 * evaluator_.scaling().length_m) return true;
-  return fail(
-      RunStatus::kBadMotion,
-      fmt::format("event '{}' switches a prescribed motion on at t = {:g} s, but the mechanism is elsewhere (by "
-                  "{:g} m, angles times the characteristic length)",
-                  event.name, state_.t, off_by));
+  const auto refuse = [&](const char* what, double by, const char* unit) {
+    return fail(
+        RunStatus::kBadMotion,
+        fmt::format("event '{}' switches a prescribed motion on at t = {:g} s, but the mechanism {} (by {:g} {}, "
+                    "angles times the characteristic length)",
+                    event.name, state_.t, what, by, unit));
+  };
+  const double L = evaluator_.scaling().length_m;
+  if (off_by > 1e-6 * L) return refuse("is elsewhere", off_by, "m");
+  const ConstraintKinematics& rows = evaluator_.equations().constraints;
+  const long k = static_cast<long>(evaluator_.equations().driven.size());
+  const VectorXd scale = evaluator_.row_scale().tail(k);
+  const double faster = (rows.rate - rows.nu).tail(k).cwiseProduct(scale).lpNorm<Eigen::Infinity>();
+  const double speed = rows.nu.tail(k).cwiseProduct(scale).lpNorm<Eigen::Infinity>() + L;
+  return faster <= 1e-6 * speed || refuse("moves at another speed", faster, "m/s");
 }
 
 void Run::note_singular_pose() {

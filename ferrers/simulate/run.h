@@ -23,7 +23,6 @@ class Run {
 
  private:
   void conclude();
-  void cut_work();
   bool fail(RunStatus status, std::string message);
   bool start();
   void choose_method();
@@ -38,6 +37,8 @@ class Run {
   bool emit_until(double t, const std::vector<double>& times, std::size_t& due);
   void state_at(double t, State& state, VectorXd& vdot);
   bool act(const EventWatch::Hit& hit);
+  bool land_on(double t);
+  void watch_limits(double until);
   std::string switch_drive(DriveId drive);
   bool meets_laws(const Event& event);
   void note_singular_pose();
@@ -64,11 +65,11 @@ class Run {
   Hermite between_;  ///< The step taken last.
   State sample_state_;
   VectorXd sample_vdot_;
-  Work work_;
+  Work work_, work_before_;  ///< Until the state, and until the step taken last.
   std::vector<int> driven_;
   std::vector<bool> off_;  ///< Per drive component.
-  bool work_known_ = true;
-  bool adaptive_ = false, crossing_ = false, moved_ = false;
+  bool adaptive_ = false, crossing_ = false, moved_ = false, switched_ = false;
+  double begin_ = 0;                                     ///< s.
   double step_ = 0;                                      ///< Fixed steps, s.
   double energy_ = 0, elastic_ = 0, elastic_start_ = 0;  ///< J.
 };

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "ferrers/testing/run_probe.h"
 #include "ferrers/testing/zoo.h"
@@ -10,69 +11,6 @@
 
 namespace ferrers::witness {
 namespace {
-
-EventSpec event(const std::string& name, const std::string& when, EventSpec::Action action,
-                const std::string& drive = "") {
-  EventSpec spec;
-  spec.name = name;
-  spec.when = *law(when).expression;
-  spec.action = action;
-  if (!drive.empty()) spec.drive = NameRef(drive);
-  return spec;
-}
-
-// --- Events ---
-
-TEST(EventsTest, ARunStopsWhereTheFormulaPassesZero) {
-  ModelSpec spec = make_pendulum();  // falls from the horizontal: lowest at a quarter of its period
-  spec.events = {event("lowest", "pivot.angle + pi/2", EventSpec::Action::kStop)};
-  const ProbedRun run = probe_run(spec, plain_run(5, 0.1));
-  EXPECT_EQ(run.summary.status, RunStatus::kStoppedByEvent);
-  EXPECT_NEAR(run.samples.back().t, 2.367841947576237 / 4, 1e-10);
-  EXPECT_NEAR(run.last("P.y"), -1, 1e-15);
-  ASSERT_EQ(run.summary.events.size(), 1u);
-  EXPECT_EQ(run.summary.events[0].name, "lowest");
-}
-
-TEST(EventsTest, EveryPassageIsRecordedWithARowOfItsOwn) {
-  ModelSpec spec = make_pendulum();
-  spec.events = {event("passing", "pivot.angle + pi/2", EventSpec::Action::kRecord)};
-  const ProbedRun run = probe_run(spec, plain_run(10, 1));
-  ASSERT_EQ(run.summary.status, RunStatus::kFinished) << run.summary.message;
-  ASSERT_EQ(run.summary.events.size(), 8u);
-  for (int k = 0; k < 8; ++k) {
-    EXPECT_NEAR(run.summary.events[static_cast<std::size_t>(k)].t, 2.367841947576237 * (2 * k + 1) / 4, 1e-9) << k;
-  }
-  EXPECT_EQ(run.samples.size(), 11u + 8u);
-  for (std::size_t i = 1; i < run.samples.size(); ++i) EXPECT_GT(run.samples[i].t, run.samples[i - 1].t);
-}
-
-TEST(EventsTest, ADriveIsSwitchedOffAndTheWheelTurnsOn) {
-  ModelSpec spec = make_pendulum();
-  spec.gravity = number3(0, 0, 0);
-  spec.drives = {coordinate_drive("motor", "pivot", "", "2")};  // angular acceleration 2 rad/s² for 1 s
-  spec.events = {event("enough", "t - 1", EventSpec::Action::kSwitch, "motor")};
-  const ProbedRun run = probe_run(spec, plain_run(2, 0.25));
-  ASSERT_EQ(run.summary.status, RunStatus::kFinished) << run.summary.message;
-  EXPECT_NEAR(run.last("pivot.angle"), 1 + 2, 1e-9);
-  EXPECT_NEAR(run.last("pivot.angle.velocity"), 2, 1e-9);
-  EXPECT_EQ(run.at(1.25, "motor.effort"), 0);
-  ASSERT_EQ(run.summary.events.size(), 1u);
-  EXPECT_EQ(run.summary.events[0].message, "drive 'motor' off");
-}
-
-TEST(EventsTest, EventsFindTheSamePlaceWithEveryIntegrator) {
-  ModelSpec spec = make_pendulum();
-  spec.events = {event("lowest", "pivot.angle + pi/2", EventSpec::Action::kStop)};
-  for (const std::string& name : integrator_names()) {
-    SimulationOptions options = plain_run(5, 0.1);
-    options.integrator = find_integrator(name);
-    if (name == "constant-acceleration") options.step = 1e-5;
-    const ProbedRun run = probe_run(spec, options);
-    ASSERT_EQ(run.summary.status, RunStatus::kStoppedByEvent) << name << ": " << run.summary.message;
-    EXPECT_NEAR(run.samples.back().t, 2.367841947576237 / 4, name == "constant-acceleration" ? 1e-4 : 1e-6) << name;
-  }
-}
 
 // --- Prescribed and forced together ---
 
@@ -235,6 +173,80 @@ TEST(RunTest, ALimitThatIsCrossedIsToldWithItsTime) {
   EXPECT_FALSE(run.summary.limits[0].upper);
   EXPECT_GT(run.summary.limits[0].t, 0.3);
   EXPECT_LT(run.summary.limits[0].t, 0.5);
+}
+
+// Between steps too: the pendulum turns back at −π, where steps need not end.
+TEST(RunTest, HowFarALimitIsPassedIsKnownBetweenSteps) {
+  const double period = 2.367841947576237;
+  ModelSpec spec = make_pendulum();
+  spec.joints[0].limits = std::array<Number, 2>{Number(-3.1415), Number(2.0)};
+  for (const double tolerance : {1e-5, 1e-9}) {
+    SimulationOptions options = plain_run(10, 1);
+    options.tolerance = tolerance;
+    const ProbedRun run = probe_run(spec, options);
+    ASSERT_EQ(run.summary.limits.size(), 1u);
+    const LimitCrossing& crossing = run.summary.limits[0];
+    EXPECT_EQ(crossing.times, 4);
+    EXPECT_NEAR(crossing.excess, std::numbers::pi - 3.1415, 10 * tolerance);
+    EXPECT_NEAR(crossing.t, period / 2, 0.05);
+    EXPECT_LT(crossing.t, period / 2);
+  }
+}
+
+// --- Turns, beginnings and ends ---
+
+// A shaft in two bearings, one of which closes a loop: nothing but its turns tells how far it is.
+TEST(RunTest, TurnsAreCountedHoweverLongTheSteps) {
+  ModelSpec spec;
+  spec.name = "shaft";
+  spec.gravity = number3(0, 0, 0);
+  spec.bodies = {bar_body("shaft", {0, 0, 0}, {0, 0, 1}, 2, 0.2)};
+  spec.joints = {joint(JointType::kRevolute, "a", "ground", "shaft", {0, 0, 0}),
+                 joint(JointType::kRevolute, "b", "ground", "shaft", {0, 0, 1})};
+  for (JointSpec& bearing : spec.joints) bearing.axis.drawn = number3(0, 0, 1);
+  spec.initial = {initial_velocity("a", 10)};
+  for (const std::string& name : integrator_names()) {
+    for (const bool fixed : {false, true}) {
+      SimulationOptions options = plain_run(10, 1);
+      options.integrator = find_integrator(name);
+      if (fixed) options.step = 1;
+      const ProbedRun run = probe_run(spec, options);
+      ASSERT_EQ(run.summary.status, RunStatus::kFinished) << name << ": " << run.summary.message;
+      EXPECT_NEAR(run.last("a.angle"), 100, 1e-9) << name << (fixed ? ", fixed" : "");
+      EXPECT_NEAR(run.last("b.angle"), 100, 1e-9) << name << (fixed ? ", fixed" : "");
+    }
+  }
+}
+
+TEST(RunTest, ARunOfNoLengthHasOneRowAndNothingToComplainOf) {
+  SimulationOptions options = plain_run(0, 0.1);
+  options.estimate_error = true;
+  const ProbedRun run = probe_run(make_pendulum(), options);
+  EXPECT_EQ(run.summary.status, RunStatus::kFinished);
+  EXPECT_EQ(run.samples.size(), 1u);
+  EXPECT_TRUE(run.summary.notices.empty()) << run.summary.notices.front();
+}
+
+TEST(RunTest, ARunCannotGoOnToAnEndThatItHasPassed) {
+  const EngineProbe engine(make_pendulum());
+  SimulationOptions options = plain_run(0.5, 0.1);
+  options.start = make_drawn_state(*engine.system);
+  options.start->t = 1;
+  const RunSummary summary = simulate(engine.dynamics, options, {});
+  EXPECT_EQ(summary.status, RunStatus::kUnsupported);
+  EXPECT_NE(summary.message.find("t = 1 s"), std::string::npos) << summary.message;
+}
+
+TEST(RunTest, EffortsFromTablesAreToldToBeSplinesThatGoOnBeyondTheirEnds) {
+  ModelSpec spec = make_pendulum();
+  LawSpec table;
+  table.samples = {{0, 0.1, 0.2}, {0, 1, 3}};
+  spec.drives = {coordinate_drive("motor", "pivot", "", "0")};
+  spec.drives[0].effort = {table};
+  const ProbedRun run = probe_run(spec, plain_run(1, 0.5));
+  ASSERT_EQ(run.summary.notices.size(), 2u);
+  EXPECT_NE(run.summary.notices[0].find("motor"), std::string::npos);
+  EXPECT_NE(run.summary.notices[1].find("0.2"), std::string::npos) << run.summary.notices[1];
 }
 
 }  // namespace

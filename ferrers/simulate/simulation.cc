@@ -80,7 +80,15 @@ RunSummary simulate(std::shared_ptr<const DynamicsModel> model, const Simulation
   }
   const Integrator integrator = options.integrator.value_or(Integrator::kDormandPrince8);
   const bool adaptive = !options.step && integrator != Integrator::kConstantAcceleration;
-  if (!options.estimate_error || !adaptive) return Run(std::move(model), options, control).go();
+  const double begin = options.start ? options.start->t : 0;
+  if (options.grid.t_end < begin) {
+    RunSummary summary;
+    summary.status = RunStatus::kUnsupported;
+    summary.message = fmt::format("the run to go on from ended at t = {:g} s: the end must not be before that", begin);
+    return summary;
+  }
+  if (!options.estimate_error || !adaptive || options.grid.t_end == begin)
+    return Run(std::move(model), options, control).go();
   return simulate_with_estimate(model, options, control);
 }
 

@@ -45,7 +45,7 @@ struct RunControl {
 struct SimulationOptions {
   OutputGrid grid;
   std::optional<Integrator> integrator;  ///< Else the engine chooses and says so (`RunSummary::method`).
-  std::optional<double> step;            ///< s: fixed step (shortened to meet the output grid evenly).
+  std::optional<double> step;            ///< s: fixed step, shortened to meet the output grid and to follow turns.
   /// What positions may be off by at the end, relative to the characteristic length L, and rad. Steps are chosen so
   /// that the local errors stay a thousandth of it per unit of motion; default 1e-9.
   std::optional<double> tolerance;
@@ -67,7 +67,7 @@ enum class RunStatus {
   kInconsistentVelocities,
   kSingularMass,
   kStepTooSmall,     ///< The error cannot be kept with any step: a singular pose, or forces that are not smooth.
-  kRedundancyEnded,  ///< Rows left out as dependent are no longer fulfilled, and no new decision could be made.
+  kRedundancyEnded,  ///< Rows left out as dependent no longer hold: they were dependent at that pose only.
   kBadMotion,        ///< Prescribed motion not determined or not reachable; see `message`.
   kUnsupported,      ///< The model asks for something that this version cannot do; see `message`.
   kStoppedByEvent,   ///< By an event of the model; everything is valid.

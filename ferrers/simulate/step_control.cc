@@ -117,17 +117,24 @@ bool StepControl::step(Evaluator& evaluator, Stepper& stepper, const State& stat
   const double distance = predicted_distance(evaluator, state);
   near_crossing_ = distance < 3 * next_;
   evaluator.note_residual();
-  const double proposed_first = next_;
+  const double proposed_first = next_, followed = evaluator.longest_followed_turn();
   double refused_h = 0, refused_error = 0;
   while (true) {
     crossing_ = false;
     double h = fit_to_crossing(evaluator, stepper, next_, allowed_error(evaluator, next_, fastest), distance);
     const double left = t_limit - state.t;
+    if (!crossing_) h = std::min(h, followed);
     if (!crossing_) h = h >= left ? left : (2 * h > left ? 0.5 * left : h);
     evaluator.reset_watch();
     evaluator.settle_stages(crossing_);
     const Stepper::Outcome outcome = stepper.step(evaluator, state, h, next);
     work_ = outcome.work;
+    if (outcome.finite && h > 1.5 * evaluator.longest_followed_turn()) {  // it went on faster than it began
+      ++summary.rejected_steps;
+      next_ = 0.5 * h;
+      if (evaluator.evaluate(state) != ForwardStatus::kSolved) return false;
+      continue;
+    }
     const double allowed = allowed_error(evaluator, h, fastest);
     const double change = outcome.error > 0 ? 0.9 * std::pow(allowed / outcome.error, power) : 4.0;
     if (outcome.finite && outcome.error <= allowed) {

@@ -54,7 +54,7 @@ class StepControl {
 };
 
 /// State at time `t` between two accepted states with their accelerations: the quintic through positions, velocities
-/// and accelerations of both (error of sixth order). Quaternions are interpolated as numbers and normalized.
+/// and accelerations of both (error of sixth order); joints with quaternions by cubics (fourth order), normalized.
 struct Hermite {
   State from, to;
   VectorXd from_vdot, to_vdot;

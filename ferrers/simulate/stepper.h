@@ -10,8 +10,8 @@ namespace ferrers {
 
 /// One step of an integrator from `state`, at which `evaluator` was evaluated last.
 ///
-/// Post, when `finite`: `next` at t + h, on the constraints, and evaluated there. Steppers allocate nothing per step.
-/// One integrator per file.
+/// Post, when `finite`: `next` at t + h, on the constraints, and evaluated there. The explicit ones
+/// allocate nothing per step. One integrator per file.
 class Stepper {
  public:
   virtual ~Stepper() = default;
