@@ -11,12 +11,15 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace {
@@ -191,6 +194,42 @@ TEST_F(CommandTest, AVerbThatIsMistypedIsNamedWithTheOneMeant) {
   EXPECT_THAT(result.errors, HasSubstr("unknown verb 'analize'; did you mean 'analyze'?"));
 }
 
+TEST_F(CommandTest, AVerbLikeNoOtherIsToldTheVerbsThatThereAre) {
+  const Result result = run({"chek", bricard()});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.output, IsEmpty());
+  EXPECT_THAT(result.errors, HasSubstr("unknown verb 'chek'; the verbs are analyze, inverse, simulate, "));
+}
+
+TEST_F(CommandTest, HelpIsAlsoAWordAndTellsTheSame) {
+  const std::string general = run({"--help"}).output;
+  EXPECT_THAT(general, HasSubstr("ferrers help VERB"));
+  for (const std::vector<std::string>& arguments :
+       {std::vector<std::string>{"help"}, {"help", "--help"}, {"help", "help"}}) {
+    const Result result = run(arguments);
+    EXPECT_EQ(result.exit_code, 0) << testing::PrintToString(arguments);
+    EXPECT_EQ(result.output, general) << testing::PrintToString(arguments);
+    EXPECT_THAT(result.errors, IsEmpty());
+  }
+  for (const std::string verb :
+       {"analyze", "inverse", "simulate", "kinematics", "equilibrium", "linearize", "schema", "new", "doctor"}) {
+    const Result result = run({"help", verb});
+    EXPECT_EQ(result.exit_code, 0) << verb;
+    EXPECT_EQ(result.output, run({verb, "--help"}).output) << verb;
+    EXPECT_THAT(result.output, Not(general));
+  }
+}
+
+TEST_F(CommandTest, HelpOnAVerbThatIsNoneIsAnError) {
+  for (const std::vector<std::string>& arguments :
+       {std::vector<std::string>{"analize", "--help"}, {"--help", "analize"}, {"help", "analize"}}) {
+    const Result result = run(arguments);
+    EXPECT_EQ(result.exit_code, 2) << testing::PrintToString(arguments);
+    EXPECT_THAT(result.output, IsEmpty()) << testing::PrintToString(arguments);
+    EXPECT_THAT(result.errors, HasSubstr("unknown verb 'analize'; did you mean 'analyze'?"));
+  }
+}
+
 TEST_F(CommandTest, AnOptionThatIsMistypedIsNamedWithTheOneMeant) {
   const Result result = run({"simulate", bricard(), "--tolerence", "1e-9"});
   EXPECT_EQ(result.exit_code, 2);
@@ -270,6 +309,35 @@ TEST_F(CommandTest, DrivenDrivesFollowTheirLawsInASimulation) {
   std::string left, right;
   while (std::getline(x, left, ',') && std::getline(y, right, ',')) {
     EXPECT_NEAR(std::stod(left), std::stod(right), 1e-7 * std::max(1.0, std::abs(std::stod(right))));
+  }
+}
+
+// The ball closes the loop, so that its rates are no coordinates of the engine.
+TEST_F(CommandTest, LawsReadTheRatesOfABallThatClosesALoop) {
+  const fs::path model = write("closed.yaml", R"(ferrers: 1
+name: closed
+bodies:
+  a: {mass: 1, com: [1, 0, 0], inertia: {moments: [1, 1, 1]}}
+  b: {mass: 1, com: [1, 1, 0.5], inertia: {moments: [1, 2, 3]}}
+joints:
+  A: {type: revolute, bodies: [ground, a], at: [0, 0, 0], axis: x}
+  S: {type: spherical, bodies: [a, b], at: [1, 0, 0]}
+  T: {type: spherical, bodies: [b, ground], at: [1, 2, 1]}
+drives:
+  one: {joint: A, effort: "= S.omega_x + 2*S.omega_y + 3*S.omega_z"}
+  two: {joint: A, effort: "= T.omega_x + 2*T.omega_y + 3*T.omega_z"}
+)");
+  ASSERT_EQ(run({"simulate", model.string(), "--end", "0.5", "-o", "run"}).exit_code, 0);
+  const std::vector<std::string> lines = last_row(folder_ / "run");
+  std::map<std::string, double> values;
+  std::istringstream names(lines[0]), cells(lines[1]);
+  std::string name, cell;
+  while (std::getline(names, name, ',') && std::getline(cells, cell, ',')) values[name] = std::stod(cell);
+  for (const auto& [drive, ball] : {std::pair<std::string, std::string>{"one", "S"}, {"two", "T"}}) {
+    const double wanted = values.at(ball + ".omega_x.velocity") + 2 * values.at(ball + ".omega_y.velocity") +
+                          3 * values.at(ball + ".omega_z.velocity");
+    EXPECT_GT(std::abs(wanted), 0.1);
+    EXPECT_NEAR(values.at(drive + ".effort"), wanted, 1e-12 * std::abs(wanted)) << ball;
   }
 }
 
@@ -520,6 +588,19 @@ TEST_F(CommandTest, TheModelInTheFolderGivesTheSameRunAgain) {
   EXPECT_EQ(read_text(folder_ / "first/result.csv"), read_text(folder_ / "second/result.csv"));
   EXPECT_NE(read_text(folder_ / "first/result.csv"), read_text(folder_ / "unchanged/result.csv"));
   EXPECT_EQ(read_text(folder_ / "changed.yaml"), read_text(folder_ / "first/model.yaml"));
+}
+
+TEST_F(CommandTest, LawFilesOfForcesGoAlongWithTheModel) {
+  write("table.csv", "t,torque\n0,0\n1,2\n");
+  const fs::path model = write("turned.yaml", R"(ferrers: 1
+name: turned
+bodies: {a: {mass: 1, com: [1, 0, 0]}}
+joints: {j: {type: revolute, bodies: [ground, a], at: [0, 0, 0], axis: z}}
+forces: {load: {type: torque, body: a, torque: [0, 0, {file: table.csv}]}}
+)");
+  ASSERT_EQ(run({"simulate", model.string(), "--end", "0.1", "-o", "first"}).exit_code, 0);
+  ASSERT_EQ(run({"simulate", "first/model.yaml", "--end", "0.1", "-o", "second"}).exit_code, 0);
+  EXPECT_EQ(read_text(folder_ / "first/result.csv"), read_text(folder_ / "second/result.csv"));
 }
 
 TEST_F(CommandTest, ARunNeverOverwritesTheModelThatItReads) {

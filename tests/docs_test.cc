@@ -27,6 +27,9 @@
 #include <string>
 #include <vector>
 
+#include "ferrers/core/unit_names.h"
+#include "ferrers/core/units.h"
+#include "ferrers/math/expression_node.h"
 #include "ferrers/math/rank.h"
 
 namespace ferrers {
@@ -419,6 +422,54 @@ TEST(DocsTest, EveryFieldOfTheJsonReportIsExplained) {
   EXPECT_GT(keys.size(), 50u);
   for (const std::string& key : keys) {
     EXPECT_NE(page.find("`" + key + "`"), std::string::npos) << "`" << key << "` is not in docs/reading-the-report.md";
+  }
+}
+
+TEST(DocsTest, EveryFieldOfTheRunSummaryIsExplained) {
+  const Folder folder("run-json");
+  const std::string page = read_text(kSource / "docs/results.md");
+  std::set<std::string> keys;
+  for (const char* arguments :
+       {"simulate examples/slider-crank/model.yaml --end 0.1 --distribute equal --stiffness-range 0.5:2",
+        "inverse examples/two-motors/model.yaml --end 0.1", "simulate busy.yaml --end 1", "simulate nothing.yaml"}) {
+    std::ofstream(folder.path() / "busy.yaml") << R"(ferrers: 1
+name: busy
+bodies: {a: {mass: 1, com: [1, 0, 0]}}
+joints: {j: {type: revolute, bodies: [ground, a], at: [0, 0, 0], axis: y, limits: [-0.1, 0.1]}}
+events: {half: {when: "= t - 0.5", do: record}}
+)";
+    const std::string output = folder.run(fmt::format("ferrers {} --json 2>/dev/null", arguments));
+    const ordered_json json = ordered_json::parse(output, nullptr, /*allow_exceptions=*/false);
+    ASSERT_TRUE(json.is_object()) << arguments << ": " << output;
+    collect_keys(json, keys);
+  }
+  EXPECT_GT(keys.size(), 60u);
+  for (const std::string& key : keys) {
+    EXPECT_NE(page.find("`" + key + "`"), std::string::npos) << "`" << key << "` is not in docs/results.md";
+  }
+}
+
+TEST(DocsTest, ThePageOfFormulasNamesEveryFunctionUnitAndPrefix) {
+  const std::string page = read_text(kSource / "docs/formulas.md");
+  for (const ExpressionFunction& function : expression_functions()) {
+    EXPECT_NE(page.find(fmt::format("`{}(", function.name)), std::string::npos) << function.name;
+  }
+  std::map<std::string, std::pair<double, bool>> listed;
+  static const std::regex row("\\| `([^`]+)` \\| ([0-9.]+) \\| [a-z, ]+ \\| (yes|no) \\|");
+  for (std::sregex_iterator it(page.begin(), page.end(), row), last; it != last; ++it)
+    listed[(*it)[1]] = {std::stod((*it)[2]), (*it)[3] == "yes"};
+  for (const UnitName& unit : unit_names()) {
+    const auto found = listed.find(std::string(unit.name));
+    ASSERT_NE(found, listed.end()) << unit.name;
+    EXPECT_DOUBLE_EQ(found->second.first, parse_unit(unit.name)->si) << unit.name;
+    EXPECT_EQ(found->second.second, unit.takes_prefixes) << unit.name;
+  }
+  EXPECT_EQ(listed.size(), unit_names().size());
+  const std::size_t prefixes = page.find("\nPrefixes:");
+  ASSERT_NE(prefixes, std::string::npos);
+  const std::string line = page.substr(prefixes, page.find('\n', prefixes + 1) - prefixes);
+  for (const std::string_view prefix : unit_prefixes()) {
+    EXPECT_NE(line.find(fmt::format("`{}`", prefix)), std::string::npos) << prefix;
   }
 }
 

@@ -5,12 +5,14 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include "exit_code.h"
@@ -39,8 +41,9 @@ void describe(CLI::App& command) {
       "  ferrers analyze model.yaml            which constraints are redundant, which reactions are unique\n"
       "  ferrers simulate model.yaml --end 10  how it moves under its forces\n"
       "  ferrers new door -o door.yaml         a model to start from\n"
-      "\n'ferrers VERB --help' tells the options of a verb. Results go to stdout, progress and diagnostics to stderr.\n"
-      "NO_COLOR is honoured.");
+      "\n'ferrers help VERB', or 'ferrers VERB --help', tells the options of a verb. Results go to stdout, progress "
+      "and\n"
+      "diagnostics to stderr. NO_COLOR is honoured.");
 }
 
 std::vector<std::string> verb_names(const CLI::App& command) {
@@ -60,17 +63,34 @@ std::vector<std::string> option_names(const CLI::App& verb) {
 
 std::string with_hint(std::string text, const std::string& hint) { return hint.empty() ? text : text + "; " + hint; }
 
+/// The words of the command line, with `help` and `help VERB` as the option that they stand for.
+std::vector<std::string> words_of(int argc, char** argv) {
+  std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
+  const bool asks = !words.empty() && words.front() == "help";
+  while (!words.empty() && words.front() == "help") words.erase(words.begin());
+  if (asks) words.emplace_back("--help");
+  return words;
+}
+
+std::string verb_hint(const CLI::App& command, const std::string& word) {
+  std::error_code ignored;
+  if (std::filesystem::is_regular_file(word, ignored)) {
+    return fmt::format("the verb comes first: ferrers analyze {}", word);
+  }
+  std::vector<std::string> names = verb_names(command);
+  const std::string all = fmt::format("the verbs are {}", fmt::join(names, ", "));
+  names.emplace_back("help");
+  const std::string near = ferrers::did_you_mean(word, names);
+  return near.empty() ? all : near;
+}
+
 /// What to say about words that nothing took; empty when there are none. `asked` is the verb, or the command.
 std::string unknown_words(const CLI::App& command, const CLI::App& asked) {
   const std::vector<std::string> words = asked.remaining(true);
   if (&asked == &command) {
     for (const std::string& word : words) {
       if (word.empty() || word[0] != '-') {
-        std::error_code ignored;
-        const bool file = std::filesystem::is_regular_file(word, ignored);
-        return with_hint(fmt::format("unknown verb '{}'", word),
-                         file ? fmt::format("the verb comes first: ferrers analyze {}", word)
-                              : ferrers::did_you_mean(word, verb_names(command)));
+        return with_hint(fmt::format("unknown verb '{}'", word), verb_hint(command, word));
       }
     }
   }
@@ -88,7 +108,8 @@ int explain(const CLI::App& command, const CLI::ParseError& error) {
   const std::vector<CLI::App*> asked = command.get_subcommands();
   const CLI::App& app = asked.empty() ? command : *asked.front();
   const std::string name = asked.empty() ? "ferrers" : "ferrers " + app.get_name();
-  if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) {
+  const bool asks = error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success);
+  if (asks && (!asked.empty() || command.remaining(true).empty())) {
     const auto* version = dynamic_cast<const CLI::CallForVersion*>(&error);
     print(stdout, version != nullptr ? std::string(error.what()) + "\n" : command.help());
     return kExitDone;
@@ -107,7 +128,9 @@ int run(int argc, char** argv) {
   for (const auto add : kVerbs) add(command, job);
   for (CLI::App* verb : command.get_subcommands(nullptr)) verb->group("Verbs");
   try {
-    command.parse(argc, argv);
+    std::vector<std::string> words = words_of(argc, argv);
+    std::reverse(words.begin(), words.end());  // as parse takes them
+    command.parse(std::move(words));
   } catch (const CLI::ParseError& error) {
     return explain(command, error);
   }

@@ -13,6 +13,7 @@
 #include <filesystem>
 #include <limits>
 #include <system_error>
+#include <variant>
 
 #include "exit_code.h"
 #include "ferrers/core/closest_name.h"
@@ -151,12 +152,17 @@ class Output {
 
   /// The model names its law files relative to itself: they go along with it.
   void copy_law_files() {
-    for (const DriveSpec& drive : loaded_.model->spec().drives) {
-      for (const auto* laws : {&drive.motion, &drive.effort}) {
-        for (const LawSpec& law : *laws) {
-          if (!law.file.empty()) copy_law_file(law.file);
-        }
+    const auto copy = [this](const auto& laws) {
+      for (const LawSpec& law : laws) {
+        if (!law.file.empty()) copy_law_file(law.file);
       }
+    };
+    for (const DriveSpec& drive : loaded_.model->spec().drives) {
+      copy(drive.motion);
+      copy(drive.effort);
+    }
+    for (const ForceSpec& force : loaded_.model->spec().forces) {
+      if (const auto* load = std::get_if<LoadSpec>(&force.element)) copy(load->components);
     }
   }
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "ferrers/core/unit_names.h"
+
 namespace ferrers {
 namespace {
 
@@ -193,6 +195,18 @@ std::optional<Unit> parse_unit(std::string_view text) {
   const double si = scaled->decade < 0 ? scaled->factor / power : scaled->factor * power;
   if (!std::isnormal(si)) return std::nullopt;
   return Unit{si, scaled->dimension};
+}
+
+std::vector<UnitName> unit_names() {
+  std::vector<UnitName> names;
+  for (const NamedUnit& unit : kUnits) names.push_back({unit.name, unit.prefixes});
+  return names;
+}
+
+std::vector<std::string_view> unit_prefixes() {
+  std::vector<std::string_view> names;
+  for (const Prefix& prefix : kPrefixes) names.push_back(prefix.name);
+  return names;
 }
 
 double to_si(double value, const Unit& unit) {

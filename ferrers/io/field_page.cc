@@ -92,7 +92,7 @@ program reads; `ferrers schema` prints the same as a JSON Schema for editors.
   Octal, hexadecimal and infinite numbers, and numbers in quotes, are errors.
 - A **direction** is `x`, `y`, `z`, `-x`, `-y`, `-z`, or a vector of any length but zero.
 - A **law** is a number, a formula of the time `t` (efforts and forces also of joint coordinates: `main.position`,
-  `main.velocity`), or `{file: law.csv, column: 2}`.
+  `main.velocity`), or `{file: law.csv, column: 2}`. [Formulas](formulas.md) tells operators, functions, units and names.
 - A **name** has letters, digits and `_`, and does not start with a digit.
 - Points and directions are given in the world as drawn, or in the body's own frame where the body has a `pose`.
 - Unknown, missing and repeated keys, anchors, aliases, merge keys and tags are errors. Yes and no are `true` and `false`.

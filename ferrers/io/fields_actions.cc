@@ -134,22 +134,33 @@ std::vector<ObjectFamily> make_action_families() {
              {field("force", K::kVector3OrScalar, kOfDamping, "Along x, y, z", "0"),
               field("moment", K::kVector3OrScalar, kOfTorsionDamping, "About x, y, z", "0")}),
       drive_family(),
-      single(Family::kInitial, "initial", "an initial value", "State of one joint at the start.",
-             {field("coordinate", K::kName, {}, "Which coordinate of the joint", "its only one, or all in order"),
-              field("position", K::kNumberOrList, kOfCoordinate, "Position, exact unless it is a guess",
-                    "found by assembly"),
-              field("velocity", K::kNumberOrList, kOfCoordinateRate, "Velocity", "the least in the mass metric"),
-              field("guess", K::kBoolean, {}, "Whether the position is only where the assembly starts", "false")}),
+      single(
+          Family::kInitial, "initial", "an initial value",
+          "State of one joint at the start. A joint with several coordinates takes one map per coordinate, or all at "
+          "once, in order. A `spherical` joint is given at once: position [qw, qx, qy, qz], a unit quaternion, "
+          "velocity [omega_x, omega_y, omega_z]; so is a `free` joint: position [x, y, z, qw, qx, qy, qz], "
+          "velocity [omega_x, omega_y, omega_z, v_x, v_y, v_z] (here the rotation comes first). All are relative to "
+          "the first body, along axes that are the world's as drawn and turn with the first body. The quaternion is "
+          "the rotation from the drawn pose, [1, 0, 0, 0] is as drawn; x, y, z is the way of the joint's point from "
+          "its drawn place, and v_x, v_y, v_z its velocity.",
+          {field("coordinate", K::kName, {}, "Which coordinate of the joint", "its only one, or all in order"),
+           field("position", K::kNumberOrList, kOfCoordinate,
+                 "Position, exact unless it is a guess; numbers without a unit are in rad and m", "found by assembly"),
+           field("velocity", K::kNumberOrList, kOfCoordinateRate, "Velocity", "the least in the mass metric"),
+           field("guess", K::kBoolean, {}, "Whether the position is only where the assembly starts", "false")}),
       single(Family::kRecord, "record", "a recorded point", "A point fixed to a body.",
              {required(field("body", K::kName, {}, "The body that carries it")),
               required(field("at", K::kVector3, kOfLength, "The point, as drawn"))}),
-      single(Family::kEvent, "event", "an event", "Acts when a formula passes through zero.",
+      single(Family::kEvent, "event", "an event",
+             "Acts when a formula passes through zero, in `simulate` only; `inverse` and `kinematics` say that they do "
+             "not "
+             "watch it.",
              {required(field("when", K::kExpression, {}, "The formula, of time and joint coordinates")),
               required(choice_field("do", {"stop", "record", "switch"},
                                     "End the run, write a row, or switch a drive off or on")),
               field("drive", K::kName, {}, "Which drive `switch` switches", "none")}),
       single(Family::kLawFile, "law_file", "a law from a file",
-             "A law sampled in a CSV file; between the samples a smooth spline.",
+             "A law sampled in a CSV file; between the samples the natural cubic spline, beyond them its end tangents.",
              {required(field("file", K::kText, {}, "Path of the CSV file, from the model's folder and inside it")),
               field("column", K::kInteger, {}, "Column of the values, from 1; column 1 is the time in s", "2")}),
   };

@@ -50,13 +50,20 @@ std::vector<FieldInfo> placement_fields(PlacementRule rule) {
   return {at};
 }
 
+/// What a reader of the results must know of a type beyond its counts.
+std::string joint_remark(JointType type) {
+  if (type != JointType::kGearMesh) return {};
+  return " The joint's frame has x along the line of action as drawn and turns with the first body: in joint axes the "
+         "tooth force has both x and y once that body has turned.";
+}
+
 std::string joint_doc(const JointTypeInfo& info) {
   std::string coordinates;
   for (const CoordinateInfo& coordinate : info.coordinates) {
     coordinates += (coordinates.empty() ? "" : ", ") + std::string("`") + std::string(coordinate.name) + "`";
   }
   return "Freedoms " + std::to_string(info.freedoms()) + ", constraint rows " + std::to_string(info.row_count()) +
-         (coordinates.empty() ? ", no coordinates." : "; coordinates: " + coordinates + ".");
+         (coordinates.empty() ? ", no coordinates." : "; coordinates: " + coordinates + ".") + joint_remark(info.type);
 }
 
 ObjectType joint_type(const JointTypeInfo& info) {
@@ -142,7 +149,8 @@ std::vector<ObjectFamily> make_joint_families() {
   return {
       joint_family(),
       single(Family::kJointStiffness, "joint_stiffness", "a joint's stiffness",
-             "In the joint's frame (of a gear mesh: x along its line of action); one number stands for three, the word "
+             "In the joint's frame (of a gear mesh: x along its line of action, however its gears have turned); one "
+             "number stands for three, the word "
              "`rigid` for a component that does not give.",
              {field("force", K::kStiffness3, kOfStiffness, "Along x, y, z", "rigid"),
               field("moment", K::kStiffness3, kOfTorsionStiffness, "About x, y, z", "rigid")}),
@@ -150,12 +158,23 @@ std::vector<ObjectFamily> make_joint_families() {
              "Displacement of the second body's seat from its drawn place, in the joint's frame.",
              {field("translation", K::kVector3, kOfLength, "Along x, y, z", "[0, 0, 0]"),
               field("rotation", K::kVector3, kOfAngle, "About x, y, z (a small rotation vector)", "[0, 0, 0]")}),
-      single(Family::kFriction, "friction", "a joint's friction", "Friction along the joint's freedoms.",
-             {field("viscous", K::kNumber, kOfCoordinateDamping, "Effort per speed", "0"),
-              field("coulomb", K::kNumber, kOfPureNumber,
-                    "Dry friction: this times the force that presses the joint's parts together", "0"),
-              field("radius", K::kNumber, kOfLength,
-                    "Where the parts touch: lever of dry friction in what turns, of moments in what slides", "0")}),
+      single(
+          Family::kFriction, "friction", "a joint's friction",
+          "Friction along the joint's freedoms. `coulomb` is for revolute, prismatic, cylindrical, planar, spherical, "
+          "point_on_line and point_on_plane joints; dynamics refuses it in the others. It brakes with "
+          "coulomb · N · tanh(speed / s0), N the force of the reaction, plus its moment / `radius` where the joint "
+          "slides and has a `radius`; s0 is 1 mm/s, or 0.001 rad/s in a joint that only turns. So nothing quite "
+          "sticks: what pushes with the part p of the greatest friction makes the joint creep at s0 · artanh(p). "
+          "A revolute or spherical joint needs the `radius`; a cylindrical or planar one without it slides with "
+          "friction and turns without; point_on_line and point_on_plane do not use it.",
+          {field("viscous", K::kNumber, kOfCoordinateDamping,
+                 "Effort per speed, on every angle and displacement of the joint; no effect on other freedoms", "0"),
+           field("coulomb", K::kNumber, kOfPureNumber,
+                 "Dry friction: this times the force that presses the joint's parts together", "0"),
+           field("radius", K::kNumber, kOfLength,
+                 "Where the parts touch: lever of dry friction in what turns, of moments in what slides; revolute "
+                 "and spherical joints with `coulomb` need it",
+                 "0")}),
       coupling_family(),
   };
 }

@@ -3,6 +3,25 @@
 #include "ferrers/core/checks.h"
 
 namespace ferrers {
+namespace {
+
+// A component of ω or of the point's velocity of a cut spherical or free joint: a rate without a value.
+Jet measure_rate(const RelativeMotion& m, int index) {
+  Jet jet;
+  const Vector3d axis = m.R_F.col(index % 3);
+  if (index < 3) {
+    jet.rate = axis.dot(m.w);
+    jet.bias = axis.dot(m.alpha - m.w1.cross(m.w));
+    jet.W.head<3>() = axis;
+  } else {
+    jet.rate = axis.dot(m.v);
+    jet.bias = axis.dot(m.a - 2 * m.w1.cross(m.v));
+    jet.W.tail<3>() = axis;
+  }
+  return jet;
+}
+
+}  // namespace
 
 Jet measure_coordinate(const System& system, const CoordinateAccess& access, const State& state,
                        const PositionKinematics& pos, const VelocityKinematics& acc) {
@@ -14,6 +33,7 @@ Jet measure_coordinate(const System& system, const CoordinateAccess& access, con
   }
   const CutJoint& cut = system.cuts[access.cut];
   const RelativeMotion motion = compute_relative_motion(cut.frames, pos, acc);
+  if (!cut.type->coordinate_jets) return measure_rate(motion, access.jet);
   Jet jets[6];
   cut.type->coordinate_jets(cut.constants, motion, jets);
   Jet jet = jets[access.jet];
