@@ -68,6 +68,7 @@ void Evaluator::use(Selection joints) {
     }
   }
   solver_ = make_forward_solver(formulation_, system(), selection_);
+  latest_ = before_latest_ = Watched();  // other pivots
   result_.lambda.setZero();
   correction_.lambda.setZero();
   pivot_known_ = false;
@@ -130,8 +131,28 @@ ForwardStatus Evaluator::evaluate(const State& state) {
   if (!pivot_known_) healthy_pivot_ = pivot;
   pivot_known_ = true;
   best_pivot_ = std::max(best_pivot_, pivot);
-  smallest_pivot_ = std::min(smallest_pivot_, pivot);
+  watch(state.t, pivot);
   return result_.status;
+}
+
+void Evaluator::reset_watch() {
+  smallest_pivot_ = std::numeric_limits<double>::infinity();
+  latest_ = before_latest_ = Watched();
+}
+
+// The stages of a step come in any order, some at the same time.
+void Evaluator::watch(double t, double pivot) {
+  smallest_pivot_ = std::min(smallest_pivot_, pivot);
+  if (!std::isfinite(latest_.t)) watch_start_ = t;
+  const double same = 1e-3 * (latest_.t - watch_start_);
+  if (std::abs(t - latest_.t) <= same) {
+    latest_ = {t, pivot};
+  } else if (t > latest_.t) {
+    before_latest_ = latest_;
+    latest_ = {t, pivot};
+  } else if (t > before_latest_.t) {
+    before_latest_ = {t, pivot};
+  }
 }
 
 double Evaluator::longest_followed_turn() const {

@@ -62,7 +62,13 @@ class Evaluator {
   double residual_at_step() const { return residual_; }
   double pivot() const { return solver_->smallest_pivot(); }  ///< At the last evaluation.
   double best_pivot() const { return best_pivot_; }
-  void reset_watch() { smallest_pivot_ = std::numeric_limits<double>::infinity(); }
+  void reset_watch();
+  /// An evaluation since `reset_watch` a little before the latest in time: how the pivot goes.
+  struct Watched {
+    double t = -std::numeric_limits<double>::infinity();
+    double pivot = 0;
+  };
+  const Watched& a_little_before() const { return before_latest_; }
   double left_out_residual() const;  ///< Largest scaled residual of all rows at the last evaluation, m.
   /// Why dry friction let the last evaluation fail; empty: it did not.
   const std::string& friction_problem() const { return friction_problem_; }
@@ -88,6 +94,7 @@ class Evaluator {
   void use(Selection joints);
   double rounding_of_velocities() const;
   void record(double t, const std::string& reason, RunSummary& summary) const;
+  void watch(double t, double pivot);
 
   std::shared_ptr<const DynamicsModel> model_;
   Formulation formulation_;
@@ -107,6 +114,8 @@ class Evaluator {
   FrictionSolver friction_;
   double healthy_pivot_ = 0, best_pivot_ = 0;  ///< When rows and coordinates were chosen; the largest of those.
   double smallest_pivot_ = std::numeric_limits<double>::infinity();
+  double watch_start_ = 0;
+  Watched latest_, before_latest_;
   bool pivot_known_ = false, settles_stages_ = false;
   double residual_ = 0;
   long evaluations_ = 0;

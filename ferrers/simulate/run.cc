@@ -324,7 +324,7 @@ bool Run::act(const EventWatch::Hit& hit) {
   if (!std::isfinite(evaluator_.settle(state_))) return stuck();
   accept_winding(system(), evaluator_.equations().pos, state_);
   stepper_ = make_stepper(options_.integrator.value_or(Integrator::kDormandPrince8), evaluator_, !adaptive_);
-  control_steps_.restart();
+  control_steps_.restart(state_.t);
   events_.acted(hit.event);
   return true;
 }
