@@ -93,6 +93,11 @@ class Output {
   }
 
   const std::string& error() const { return error_; }
+  /// A folder of somebody else's: with files that a run would replace, but not a run's.
+  bool is_foreign() const {
+    std::error_code ignored;
+    return !holds_model_ && fs::exists(folder_ / model_file_, ignored) && !fs::exists(folder_ / "result.csv", ignored);
+  }
   bool would_overwrite_the_model() const { return holds_model_ && options_.model.changed(); }
   std::string folder() const { return folder_.string(); }
   bool begun() const { return begun_; }
@@ -230,6 +235,12 @@ int run(const RunTask& task, const RunOptions& options, LoadedModel& loaded,
   if (output.would_overwrite_the_model()) {
     return command_line_error(
         fmt::format("the folder '{}' holds the model file itself; take another -o", output.folder()));
+  }
+  if (output.is_foreign()) {
+    return command_line_error(
+        fmt::format("the folder '{}' holds a model, but no run: nothing is replaced there; take "
+                    "another -o",
+                    output.folder()));
   }
   RunSummary summary;
   catch_interrupts();

@@ -155,8 +155,14 @@ void Run::choose_method() {
   if (adaptive_) {
     summary_.method += fmt::format(", tolerance {:g}", options_.tolerance.value_or(kDefaultTolerance));
   } else {
-    step_ = options_.step.value_or(options_.grid.every / 10);
+    step_ = std::min(options_.step.value_or(options_.grid.every / 10), options_.grid.every);
     summary_.method += fmt::format(", fixed step {:g} s", step_);
+    if (options_.tolerance) {
+      summary_.notices.push_back(fmt::format("steps are fixed: the tolerance {:g} says nothing", *options_.tolerance));
+    }
+    if (options_.step && *options_.step > step_) {
+      summary_.notices.push_back(fmt::format("no step is longer than the spacing of the rows, {:g} s", step_));
+    }
   }
   summary_.method += ", " + std::string(to_string(formulation_));
 }
@@ -167,6 +173,15 @@ bool Run::put_on_laws() {
   evaluator_.evaluate(state_);
   const VectorXd gap = evaluator_.equations().constraints.phi.tail(k);
   const double size = gap.cwiseProduct(evaluator_.row_scale().tail(k)).lpNorm<Eigen::Infinity>();
+  const auto& given = system().model->initial();
+  const bool exact =
+      std::any_of(given.begin(), given.end(), [](const InitialValue& i) { return !i.guess && !i.position.empty(); });
+  if (exact && size > 1e-6 * evaluator_.scaling().length_m) {
+    summary_.notices.push_back(fmt::format(
+        "the prescribed motions begin elsewhere than the model's initial pose (by {:.4g} m, angles times the "
+        "characteristic length): the run starts where they begin",
+        size));
+  }
   const long pieces = std::lround(std::ceil(size / (0.1 * evaluator_.scaling().length_m)));
   VectorXd offset = VectorXd::Zero(evaluator_.row_scale().size());
   for (long i = 1; i <= pieces; ++i) {
@@ -428,8 +443,11 @@ bool Run::emit_between(double t) {
   return record(sample_state_, crossing_ || !solved_there ? sample_vdot_ : evaluator_.result().vdot, solved_there);
 }
 
-// `solved`: the last evaluation was at this state and gave multipliers.
+// `solved`: the last evaluation was at this state and gave multipliers. At a singular pose they are rounding divided by
+// nearly nothing: no figures.
 bool Run::record(const State& state, const VectorXd& vdot, bool solved) {
+  constexpr double kSingular = 1e-6;
+  solved = solved && !(evaluator_.pivot() < kSingular * evaluator_.best_pivot());
   const RunSample& sample = recorder_.record(state, evaluator_.equations(), evaluator_.joint_selection(), vdot,
                                              evaluator_.result().lambda.head(system().m), evaluator_.efforts(),
                                              options_.with_reactions && solved);

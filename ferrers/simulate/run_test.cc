@@ -237,6 +237,44 @@ TEST(RunTest, ARunCannotGoOnToAnEndThatItHasPassed) {
   EXPECT_NE(summary.message.find("t = 1 s"), std::string::npos) << summary.message;
 }
 
+TEST(RunTest, AnEffortThatGrowsWithoutBoundEndsTheRunThere) {
+  ModelSpec spec = make_four_bar(FourBarJoints::kRevolute);
+  spec.drives = {coordinate_drive("motor", "O", "", "1/(t - 1)")};
+  const ProbedRun run = probe_run(spec, plain_run(3, 0.1));
+  EXPECT_EQ(run.summary.status, RunStatus::kStepTooSmall);
+  EXPECT_NE(run.summary.message.find("t = 1 s"), std::string::npos) << run.summary.message;
+  EXPECT_LT(run.summary.steps, 2000);
+}
+
+TEST(RunTest, AToleranceThatSaysNothingAndAStepThatIsCutAreTold) {
+  SimulationOptions options = plain_run(0.2, 0.1);
+  options.integrator = Integrator::kConstantAcceleration;
+  options.tolerance = 1e-6;
+  options.step = 0.3;
+  const ProbedRun run = probe_run(make_pendulum(), options);
+  ASSERT_EQ(run.summary.notices.size(), 2u);
+  EXPECT_NE(run.summary.notices[0].find("tolerance"), std::string::npos);
+  EXPECT_NE(run.summary.notices[1].find("0.1 s"), std::string::npos);
+  EXPECT_EQ(run.summary.largest_step, 0.1);
+}
+
+// Driven through the pose where all rods lie in one line: the row there has no reactions, its neighbours have.
+TEST(RunTest, ReactionsAtASingularPoseAreNoFigures) {
+  ModelSpec spec = make_n_four_bar(1, 0);
+  spec.drives = {coordinate_drive("motor", spec.joints[0].name.name, "-pi/2*t", "")};
+  SimulationOptions options = plain_run(2, 0.5);
+  options.with_reactions = options.driven = true;
+  options.distribution.by = DistributionBy::kEqualStiffness;
+  const ProbedRun run = probe_run(spec, options);
+  ASSERT_EQ(run.summary.status, RunStatus::kFinished) << run.summary.message;
+  for (const RunSample& sample : run.samples) {
+    EXPECT_EQ(sample.reactions.empty(), std::abs(sample.t - 1) < 1e-9) << sample.t;
+    for (const JointReaction& reaction : sample.reactions) {
+      for (int i = 0; i < 6; ++i) EXPECT_LT(std::abs(reaction.value[i]), 1e3);
+    }
+  }
+}
+
 TEST(RunTest, EffortsFromTablesAreToldToBeSplinesThatGoOnBeyondTheirEnds) {
   ModelSpec spec = make_pendulum();
   LawSpec table;

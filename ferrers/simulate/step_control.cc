@@ -125,6 +125,7 @@ bool StepControl::step(Evaluator& evaluator, Stepper& stepper, const State& stat
     const double left = t_limit - state.t;
     if (!crossing_) h = std::min(h, followed);
     if (!crossing_) h = h >= left ? left : (2 * h > left ? 0.5 * left : h);
+    if ((h < shortest && h < left) || !(state.t + h > state.t)) return false;  // no way on
     evaluator.reset_watch();
     evaluator.settle_stages(crossing_);
     const Stepper::Outcome outcome = stepper.step(evaluator, state, h, next);
