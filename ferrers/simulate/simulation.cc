@@ -78,7 +78,7 @@ RunSummary simulate(std::shared_ptr<const DynamicsModel> model, const Simulation
     summary.message = "this model cannot be simulated: it has " + refused.front();
     return summary;
   }
-  const Integrator integrator = options.integrator.value_or(Integrator::kDormandPrince8);
+  const Integrator integrator = integrator_of(options);
   const bool adaptive = !options.step && integrator != Integrator::kConstantAcceleration;
   if (!options.estimate_error || !adaptive) return Run(std::move(model), options, control).go();
   return simulate_with_estimate(model, options, control);
