@@ -184,6 +184,13 @@ TEST_F(CommandTest, HelpListsWhatThereIsAndNothingElse) {
   EXPECT_THAT(run({"simulate", "--help"}).output, HasSubstr("Examples:"));
 }
 
+TEST_F(CommandTest, HelpNamesTheFormulationThatIsTaken) {
+  const std::string help = run({"simulate", "--help"}).output;
+  const Result taken = run({"simulate", bricard(), "--end", "0.01", "-o", (folder_ / "taken").string(), "--json"});
+  const std::string method = taken.json().at("method");
+  EXPECT_THAT(help, HasSubstr("[" + method.substr(method.rfind(' ') + 1) + "]"));
+}
+
 TEST_F(CommandTest, AVerbThatIsMistypedIsNamedWithTheOneMeant) {
   const Result result = run({"analize", bricard()});
   EXPECT_EQ(result.exit_code, 2);

@@ -78,7 +78,7 @@ RunSummary simulate(std::shared_ptr<const DynamicsModel> model, const Simulation
     summary.message = "this model cannot be simulated: it has " + refused.front();
     return summary;
   }
-  const Integrator integrator = options.integrator.value_or(Integrator::kDormandPrince8);
+  const Integrator integrator = integrator_of(options);
   const bool adaptive = !options.step && integrator != Integrator::kConstantAcceleration;
   const double begin = options.start ? options.start->t : 0;
   if (options.start && options.grid.t_end <= begin) {

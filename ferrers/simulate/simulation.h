@@ -49,7 +49,7 @@ struct SimulationOptions {
   /// What positions may be off by at the end, relative to the characteristic length L, and rad. Steps are chosen so
   /// that the local errors stay a thousandth of it per unit of motion; default 1e-9.
   std::optional<double> tolerance;
-  std::optional<Formulation> formulation;  ///< Else by the size of the system.
+  std::optional<Formulation> formulation;  ///< Else `recommended_formulation`.
   bool with_reactions = true;
   ReactionAxes axes = ReactionAxes::kWorld;
   DistributionOptions distribution;
@@ -59,6 +59,9 @@ struct SimulationOptions {
   /// Run a companion with ten times the local tolerance beside, and compare: `RunSummary::error_estimate`.
   bool estimate_error = false;
 };
+
+/// What `options` ask for, else what the engine takes.
+Integrator integrator_of(const SimulationOptions& options);
 
 enum class RunStatus {
   kFinished,
