@@ -59,10 +59,6 @@ std::vector<JointReaction> compute_rest_reactions(const std::shared_ptr<const Dy
                                                   ReactionAxes axes, const DistributionOptions& distribution,
                                                   DistributionOutcome* outcome = nullptr);
 
-/// The specification with this pose as `initial`: every tree joint's position as a guess that is already closed, at
-/// rest.
-ModelSpec with_initial_pose(ModelSpec spec, const System& system, const State& state);
-
 /// Joints whose coordinate is outside of their limits at this state, in words.
 std::vector<std::string> passed_limits(const System& system, const State& state);
 

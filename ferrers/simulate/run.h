@@ -39,6 +39,8 @@ class Run {
   void state_at(double t, State& state, VectorXd& vdot);
   bool act(const EventWatch::Hit& hit);
   std::string switch_drive(DriveId drive);
+  void use_switches();
+  std::vector<std::string> drives_off() const;
   bool meets_laws(const Event& event);
   void note_singular_pose();
 
