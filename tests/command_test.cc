@@ -256,6 +256,26 @@ TEST_F(CommandTest, ARunThatGoesOnEndsWhereTheWholeRunEnds) {
   while (std::getline(a, x, ',') && std::getline(b, y, ',')) EXPECT_NEAR(std::stod(x), std::stod(y), 1e-9);
 }
 
+TEST_F(CommandTest, ARunGoesOnWithoutTheDriveThatWasSwitchedOff) {
+  const std::string model = write("slide.yaml", R"(ferrers: 1
+gravity: [0, 0, 0]
+bodies: {m: {mass: 2, com: [0, 0, 0]}}
+joints: {g: {type: prismatic, bodies: [ground, m], at: [0, 0, 0], axis: x}}
+drives: {push: {joint: g, effort: "= 4"}}
+events: {off: {when: "= t - 0.5", do: switch, drive: push}}
+)")
+                                .string();
+  ASSERT_EQ(run({"simulate", model, "--end", "1", "-o", "half"}).exit_code, 0);
+  const Result rest = run({"simulate", model, "--end", "2", "--restart", "half", "-o", "rest", "--json"});
+  ASSERT_EQ(rest.exit_code, 0) << rest.errors;
+  EXPECT_EQ(rest.json().at("drives_off"), ordered_json::array({"push"}));
+  EXPECT_NEAR(rest.json().at("energy").at("end").get<double>(), 1, 1e-12);  // 2 kg at 1 m/s
+  fs::remove(folder_ / "half/summary.json");
+  const Result killed = run({"simulate", model, "--end", "2", "--restart", "half", "-o", "rest"});
+  EXPECT_EQ(killed.exit_code, 3);
+  EXPECT_THAT(killed.errors, HasSubstr("from the start"));
+}
+
 TEST_F(CommandTest, AFolderThatIsNoRunOfTheModelIsRefusedWithTheReason) {
   const Result missing = run({"simulate", bricard(), "--restart", "nowhere", "-o", "out"});
   EXPECT_EQ(missing.exit_code, 3);

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "exit_code.h"
+#include "ferrers/dynamics/initial_pose.h"
 #include "ferrers/io/model_writer.h"
 #include "ferrers/io/run_folder.h"
 #include "rest_input.h"

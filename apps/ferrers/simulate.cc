@@ -84,6 +84,8 @@ int simulate_model(const Options& options) {
         return summary;
       }
       simulation.start = std::move(restart.state);
+      simulation.drives_off = std::move(restart.drives_off);
+      simulation.events_acted = std::move(restart.events_acted);
     }
     return simulate(std::move(model), simulation, control);
   };

@@ -238,21 +238,6 @@ EquilibriumResult solve_equilibrium(const DynamicsModel& model, const State& sta
   return result;
 }
 
-ModelSpec with_initial_pose(ModelSpec spec, const System& system, const State& state) {
-  spec.initial.clear();
-  for (std::size_t i = 1; i < system.nodes.size(); ++i) {
-    const Node& node = system.nodes[i];
-    const JointId id = system.topology->forest.nodes[i].joint;
-    if (!id.valid() || node.nq == 0) continue;
-    InitialSpec initial;
-    initial.joint = system.model->joint(id).name;
-    initial.guess = true;
-    for (int k = 0; k < node.nq; ++k) initial.position.emplace_back(state.q[node.q + k]);
-    spec.initial.push_back(std::move(initial));
-  }
-  return spec;
-}
-
 std::vector<std::string> passed_limits(const System& system, const State& state) {
   std::vector<std::string> notices;
   const std::vector<NamedCoordinate> positions = measure_positions(system, state);

@@ -49,10 +49,6 @@ struct EquilibriumResult : RestPoint {
 EquilibriumResult solve_equilibrium(const DynamicsModel& model, const State& start,
                                     const EquilibriumOptions& options = {});
 
-/// The specification with this pose as `initial`: every tree joint's position as a guess that is already closed, at
-/// rest.
-ModelSpec with_initial_pose(ModelSpec spec, const System& system, const State& state);
-
 /// Joints whose coordinate is outside of their limits at this state, in words.
 std::vector<std::string> passed_limits(const System& system, const State& state);
 

@@ -42,7 +42,6 @@ std::string_view to_string(Formulation formulation);
 std::optional<Formulation> find_formulation(std::string_view name);
 /// What to take where nothing speaks for another one, at any size; see the figures above.
 Formulation recommended_formulation();
-inline Formulation recommended_formulation(const System&) { return recommended_formulation(); }
 
 enum class ForwardStatus {
   kSolved,         ///< vdot and lambda are valid.

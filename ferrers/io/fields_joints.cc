@@ -151,7 +151,10 @@ std::vector<ObjectFamily> make_joint_families() {
              {field("translation", K::kVector3, kOfLength, "Along x, y, z", "[0, 0, 0]"),
               field("rotation", K::kVector3, kOfAngle, "About x, y, z (a small rotation vector)", "[0, 0, 0]")}),
       single(Family::kFriction, "friction", "a joint's friction", "Friction along the joint's freedoms.",
-             {field("viscous", K::kNumber, kOfCoordinateDamping, "Effort per speed", "0"),
+             {field("viscous", K::kNumber, kOfCoordinateDamping,
+                    "Effort per speed, for each coordinate; without coordinates: moment per relative angular velocity, "
+                    "force per sliding velocity (not in distance and gear_mesh)",
+                    "0"),
               field("coulomb", K::kNumber, kOfPureNumber,
                     "Dry friction: this times the force that presses the joint's parts together", "0"),
               field("radius", K::kNumber, kOfLength,

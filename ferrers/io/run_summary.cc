@@ -170,6 +170,7 @@ void add_summary(const RunDocument& document, OrderedJson& out) {
   out["momentum"] = momentum_value(summary.momentum);
   out["error_estimate"] = value_or_null(summary.error_estimate);
   out["events"] = event_values(summary);
+  out["drives_off"] = summary.drives_off;
   out["joint_limits"] = limit_values(summary);
   OrderedJson decisions = OrderedJson::array();
   for (const DecisionRecord& decision : summary.decisions) decisions.push_back(decision_value(decision));
@@ -269,6 +270,7 @@ std::string write_summary_json(const RunDocument& document) {
                             "momentum",
                             "error_estimate",
                             "events",
+                            "drives_off",
                             "joint_limits",
                             "decisions",
                             "singular_poses",
