@@ -187,6 +187,13 @@ TEST_F(CommandTest, HelpListsWhatThereIsAndNothingElse) {
   EXPECT_THAT(run({"simulate", "--help"}).output, HasSubstr("Examples:"));
 }
 
+TEST_F(CommandTest, HelpNamesTheFormulationThatIsTaken) {
+  const std::string help = run({"simulate", "--help"}).output;
+  const Result taken = run({"simulate", bricard(), "--end", "0.01", "-o", (folder_ / "taken").string(), "--json"});
+  const std::string method = taken.json().at("method");
+  EXPECT_THAT(help, HasSubstr("[" + method.substr(method.rfind(' ') + 1) + "]"));
+}
+
 TEST_F(CommandTest, AVerbThatIsMistypedIsNamedWithTheOneMeant) {
   const Result result = run({"analize", bricard()});
   EXPECT_EQ(result.exit_code, 2);
@@ -286,6 +293,26 @@ TEST_F(CommandTest, ARunThatGoesOnEndsWhereTheWholeRunEnds) {
   std::istringstream a(whole[1]), b(rest[1]);
   std::string x, y;
   while (std::getline(a, x, ',') && std::getline(b, y, ',')) EXPECT_NEAR(std::stod(x), std::stod(y), 1e-9);
+}
+
+TEST_F(CommandTest, ARunGoesOnWithoutTheDriveThatWasSwitchedOff) {
+  const std::string model = write("slide.yaml", R"(ferrers: 1
+gravity: [0, 0, 0]
+bodies: {m: {mass: 2, com: [0, 0, 0]}}
+joints: {g: {type: prismatic, bodies: [ground, m], at: [0, 0, 0], axis: x}}
+drives: {push: {joint: g, effort: "= 4"}}
+events: {off: {when: "= t - 0.5", do: switch, drive: push}}
+)")
+                                .string();
+  ASSERT_EQ(run({"simulate", model, "--end", "1", "-o", "half"}).exit_code, 0);
+  const Result rest = run({"simulate", model, "--end", "2", "--restart", "half", "-o", "rest", "--json"});
+  ASSERT_EQ(rest.exit_code, 0) << rest.errors;
+  EXPECT_EQ(rest.json().at("drives_off"), ordered_json::array({"push"}));
+  EXPECT_NEAR(rest.json().at("energy").at("end").get<double>(), 1, 1e-12);  // 2 kg at 1 m/s
+  fs::remove(folder_ / "half/summary.json");
+  const Result killed = run({"simulate", model, "--end", "2", "--restart", "half", "-o", "rest"});
+  EXPECT_EQ(killed.exit_code, 3);
+  EXPECT_THAT(killed.errors, HasSubstr("from the start"));
 }
 
 TEST_F(CommandTest, AFolderThatIsNoRunOfTheModelIsRefusedWithTheReason) {

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "exit_code.h"
+#include "ferrers/dynamics/initial_pose.h"
 #include "ferrers/io/model_writer.h"
 #include "ferrers/io/run_folder.h"
 #include "rest_input.h"
@@ -48,11 +49,6 @@ void tell(const Options& options, const RestStart& start, const Rest& rest, bool
   }
 }
 
-std::vector<JointReaction> reactions_of(const Options& options, const RestStart& start, const auto& result) {
-  return compute_rest_reactions(start.dynamics, result.state, result.selection, result.lambda, result.u, options.axes,
-                                options.distribution);
-}
-
 /// Does `--write-model`: the model with the pose that was found as its initial one.
 std::string write_pose(const Options& options, const RestStart& start, const State& state) {
   const ModelSpec spec = with_initial_pose(edited_spec(options.model, start.loaded), *start.dynamics->system, state);
@@ -66,7 +62,7 @@ int find(const Options& options, RestStart& start) {
   rest.equilibrium = solve_equilibrium(*start.dynamics, start.state, search);
   const bool found = rest.equilibrium->status == EquilibriumStatus::kFound;
   if (found) {
-    rest.reactions = reactions_of(options, start, *rest.equilibrium);
+    rest.reactions = compute_rest_reactions(start.dynamics, *rest.equilibrium, options.axes, options.distribution);
     if (!options.model.write_model.empty()) {
       if (const std::string error = write_pose(options, start, rest.equilibrium->state); !error.empty()) {
         return command_line_error(error);
@@ -88,7 +84,7 @@ int hold(const Options& options, RestStart& start) {
   rest.holding = solve_holding_efforts(*start.dynamics, start.state, options.t);
   const bool held = rest.holding->status == HoldingStatus::kHeld;
   if (held) {
-    rest.reactions = reactions_of(options, start, *rest.holding);
+    rest.reactions = compute_rest_reactions(start.dynamics, *rest.holding, options.axes, options.distribution);
   } else {
     report(start.loaded, "F513", {}, rest.holding->message, "give a drive to what moves");
   }
@@ -116,22 +112,7 @@ void add_equilibrium(CLI::App& command, Job& job) {
   verb->add_option("--time", options->t, "time at which loads and effort laws are taken, s [0]")
       ->type_name("T")
       ->check(number_from_zero());
-  verb->add_option_function<std::string>(
-          "--reactions",
-          [options](const std::string& axes) {
-            options->axes = axes == "joint" ? ReactionAxes::kJoint : ReactionAxes::kWorld;
-          },
-          "axes of reaction components: world or joint [world]")
-      ->type_name("AXES")
-      ->check(one_of({"world", "joint"}));
-  verb->add_option_function<std::string>(
-          "--distribute",
-          [options](const std::string& name) {
-            if (const auto by = find_distribution(name)) options->distribution.by = *by;
-          },
-          "what divides reactions that rigid bodies leave open: stiffness, equal or none [stiffness]")
-      ->type_name("WAY")
-      ->check(one_of({"stiffness", "equal", "none"}));
+  add_reaction_options(*verb, options->axes, options->distribution);
   verb->footer(
       "Examples:\n"
       "  ferrers equilibrium examples/pendulum-a01/model.yaml\n"

@@ -69,8 +69,7 @@ std::string drives_text(const RestDocument& document, const Style& style) {
     } else if (!holding->unique[k]) {
       remark = "one choice of many, the least";
     }
-    rows.push_back(
-        {model.drives[k].name, fmt::format("{} {}", number(u), effort_unit(model, model.drives[k])), remark});
+    rows.push_back({model.drives[k].name, fmt::format("{} {}", number(u), effort_unit(model.drives[k])), remark});
   }
   return "\n" + table(rows, "  ", style);
 }
@@ -98,7 +97,13 @@ std::string reactions_text(const RestDocument& document, const Style& style) {
   }
   std::string text = "\n" + table(rows, "  ", style);
   text += style.dim("  Reactions on each joint's second body, N and N·m.") + "\n";
-  if (distributed) text += style.dim("  ~: shared out by the stiffness of the joints.") + "\n";
+  const bool shared = document.holding != nullptr && document.holding->idle_efforts.cols() > 0;
+  if (distributed && shared) {
+    text +=
+        style.dim("  ~: as the drives share the load by the least effort, or the joints by their stiffness.") + "\n";
+  } else if (distributed) {
+    text += style.dim("  ~: shared out by the stiffness of the joints.") + "\n";
+  }
   if (undetermined) {
     text += style.dim(
         "  ?: undetermined. Rigid bodies do not tell how redundant constraints share the load; give joints a\n"
@@ -131,7 +136,7 @@ std::string holding_text(const RestDocument& document) {
     text += line("balanced only", "no drive resists: " + name);
   }
   if (!held.confident) text += line("note", "how many motions the drives resist is in doubt");
-  return text;
+  return text + notices_text(held.notices);
 }
 
 std::string matrix_text(std::string_view name, const MatrixXd& M, const Style& style) {

@@ -94,6 +94,11 @@ class Output {
   }
 
   const std::string& error() const { return error_; }
+  /// A folder of somebody else's: with files that a run would replace, but not a run's.
+  bool is_foreign() const {
+    std::error_code ignored;
+    return !holds_model_ && fs::exists(folder_ / model_file_, ignored) && !fs::exists(folder_ / "result.csv", ignored);
+  }
   bool would_overwrite_the_model() const { return holds_model_ && options_.model.changed(); }
   std::string folder() const { return folder_.string(); }
   bool begun() const { return begun_; }
@@ -237,6 +242,12 @@ int run(const RunTask& task, const RunOptions& options, LoadedModel& loaded,
     return command_line_error(
         fmt::format("the folder '{}' holds the model file itself; take another -o", output.folder()));
   }
+  if (output.is_foreign()) {
+    return command_line_error(
+        fmt::format("the folder '{}' holds a model, but no run: nothing is replaced there; take "
+                    "another -o",
+                    output.folder()));
+  }
   RunSummary summary;
   catch_interrupts();
   {
@@ -319,16 +330,7 @@ CLI::Validator stiffness_range() {
       "");
 }
 
-void add_distribution_options(CLI::App& verb, DistributionOptions& distribution) {
-  verb.add_option_function<std::string>(
-          "--distribute",
-          [&distribution](const std::string& name) {
-            if (const auto by = find_distribution(name)) distribution.by = *by;
-          },
-          "what divides reactions that rigid bodies leave open: the joints' stiffness; equal: the same stiffness for "
-          "every joint; none [stiffness]")
-      ->type_name("WAY")
-      ->check(one_of({"stiffness", "equal", "none"}));
+void add_range_option(CLI::App& verb, DistributionOptions& distribution) {
   verb.add_option_function<std::string>(
           "--stiffness-range", [&distribution](const std::string& text) { distribution.range = read_range(text); },
           "also the ranges of divided reactions when every stiffness entry is multiplied by a factor of its own")
@@ -348,6 +350,24 @@ CLI::Validator one_of(std::vector<std::string> names) {
       "");
 }
 
+void add_reaction_options(CLI::App& verb, ReactionAxes& axes, DistributionOptions& distribution) {
+  verb.add_option_function<std::string>(
+          "--reactions",
+          [&axes](const std::string& name) { axes = name == "joint" ? ReactionAxes::kJoint : ReactionAxes::kWorld; },
+          "axes of reaction components: world or joint [world]")
+      ->type_name("AXES")
+      ->check(one_of({"world", "joint"}));
+  verb.add_option_function<std::string>(
+          "--distribute",
+          [&distribution](const std::string& name) {
+            if (const auto by = find_distribution(name)) distribution.by = *by;
+          },
+          "what divides reactions that rigid bodies leave open: the joints' stiffness; equal: the same stiffness for "
+          "every joint; none [stiffness]")
+      ->type_name("WAY")
+      ->check(one_of({"stiffness", "equal", "none"}));
+}
+
 void add_run_options(CLI::App& verb, RunOptions& options, bool with_reactions) {
   add_model_options(verb, options.model);
   verb.add_option("-o,--output", options.folder, "folder of the results [out/MODELNAME-VERB]")->type_name("FOLDER");
@@ -356,15 +376,8 @@ void add_run_options(CLI::App& verb, RunOptions& options, bool with_reactions) {
       ->type_name("DT")
       ->check(positive_number());
   if (with_reactions) {
-    verb.add_option_function<std::string>(
-            "--reactions",
-            [&options](const std::string& axes) {
-              options.axes = axes == "joint" ? ReactionAxes::kJoint : ReactionAxes::kWorld;
-            },
-            "axes of reaction components: world or joint [world]")
-        ->type_name("AXES")
-        ->check(one_of({"world", "joint"}));
-    add_distribution_options(verb, options.distribution);
+    add_reaction_options(verb, options.axes, options.distribution);
+    add_range_option(verb, options.distribution);
   }
 }
 

@@ -22,6 +22,9 @@ struct RunOptions {
 /// The model's options, -o, --end, --every; where the verb computes reactions their axes and distribution.
 void add_run_options(CLI::App& verb, RunOptions& options, bool with_reactions);
 
+/// `--reactions` and `--distribute`, wherever reactions are told.
+void add_reaction_options(CLI::App& verb, ferrers::ReactionAxes& axes, ferrers::DistributionOptions& distribution);
+
 /// A finite number above zero, or from zero on.
 CLI::Validator positive_number();
 CLI::Validator number_from_zero();

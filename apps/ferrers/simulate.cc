@@ -48,7 +48,7 @@ void add_method_options(CLI::App& verb, Options& options) {
   verb.add_option_function<std::string>(
           "--formulation",
           [&options](const std::string& name) { options.simulation.formulation = find_formulation(name); },
-          fmt::format("{} [by the size of the mechanism]", fmt::join(formulation_names(), ", ")))
+          fmt::format("{} [{}]", fmt::join(formulation_names(), ", "), to_string(recommended_formulation())))
       ->type_name("NAME")
       ->check(one_of(formulation_names()));
   verb.add_flag("--driven", options.simulation.driven,
@@ -84,6 +84,8 @@ int simulate_model(const Options& options) {
         return summary;
       }
       simulation.start = std::move(restart.state);
+      simulation.drives_off = std::move(restart.drives_off);
+      simulation.events_acted = std::move(restart.events_acted);
     }
     return simulate(std::move(model), simulation, control);
   };

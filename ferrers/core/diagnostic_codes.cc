@@ -73,6 +73,7 @@ const std::vector<DiagnosticCode>& diagnostic_codes() {
       {"F332", "event"},
       {"F333", "mass properties worth a look"},
       {"F334", "weight of a drive"},
+      {"F335", "viscous friction"},
       {"F401", "formula cannot be read"},
       {"F402", "unknown function in a formula"},
       {"F403", "unknown name in a formula"},

@@ -64,7 +64,8 @@ class Binder {
   BoundLaw bind_law(const Law& law) {
     BoundLaw bound;
     bound.law = law;
-    if (law.inputs().size() > kMostLawInputs) model_->unsupported.emplace_back("a law that reads more than 64 quantities");
+    if (law.inputs().size() > kMostLawInputs)
+      model_->unsupported.emplace_back("a law that reads more than 64 quantities");
     for (const LawInput& input : law.inputs()) {
       bound.kinds.push_back(input.kind);
       bound.accesses.push_back(input.kind == LawInput::Kind::kTime ? CoordinateAccess()
@@ -103,10 +104,18 @@ class Binder {
       if (joint.friction->coulomb != 0) bind_dry_friction(JointId(j), joint);
       if (joint.friction->viscous == 0) continue;
       const JointTypeInfo& type = joint_type_info(joint.type);
+      if (!type.coordinate_jets) bind_relative_damping(JointId(j), type, joint.friction->viscous);
       for (int k = 0; k < static_cast<int>(type.coordinates.size()) && type.coordinate_jets; ++k) {
         model_->torsion_springs.push_back({system().access({JointId(j), k}), 0, joint.friction->viscous, 0});
       }
     }
+  }
+
+  // A joint without scalar coordinates (spherical, say): the relative velocities that it leaves free, in F axes.
+  void bind_relative_damping(JointId id, const JointTypeInfo& type, double viscous) {
+    BoundBushing damper{system().frame_pair(id), Vector6d::Zero(), Vector6d::Constant(viscous)};
+    for (const int k : type.row_components) damper.damping[k] = 0;
+    model_->bushings.push_back(std::move(damper));
   }
 
   void bind_dry_friction(JointId id, const Joint& joint) {

@@ -78,7 +78,7 @@ struct DynamicsModel {
   std::vector<NodeInertia> inertias;  ///< Per node.
   std::vector<BoundSpring> springs;
   std::vector<BoundTorsionSpring> torsion_springs;  ///< Also joint damping and viscous joint friction.
-  std::vector<BoundBushing> bushings;
+  std::vector<BoundBushing> bushings;               ///< Also viscous friction of joints without scalar coordinates.
   std::vector<BoundLoad> loads;
   std::vector<BoundFriction> frictions;      ///< Dry friction; depends on reactions.
   int friction_slips = 0;                    ///< nf: slips of all frictions.

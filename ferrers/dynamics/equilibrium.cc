@@ -10,6 +10,7 @@
 #include "ferrers/dynamics/named_coordinates.h"
 #include "ferrers/kinematics/assembly.h"
 #include "ferrers/math/rank.h"
+#include "ferrers/redundancy/rank_notice.h"
 
 namespace ferrers {
 namespace {
@@ -62,7 +63,9 @@ class Search {
   ReducedMotion decide() {
     Equations eq = make_equations(model_);
     compute_kinematics(model_, result_.state, eq);
-    return ReducedMotion(model_, scaling_, result_.state, select_independent(system_, scaling_, eq.constraints));
+    const Selection selection = select_independent(system_, scaling_, eq.constraints, &decision_);
+    if (result_.steps == 0) first_decision_ = decision_;
+    return ReducedMotion(model_, scaling_, result_.state, selection);
   }
 
   // Close to a singular pose with the rank of the way there: the branch that it is on has coordinates.
@@ -185,13 +188,21 @@ class Search {
       result_.stability = judge_stability(result_.stiffness, motion.body_displacements(), motion.M(),
                                           result_.force_scale_N, scaling_.length_m);
     }
-    result_.notices = passed_limits(system_, result_.state);
+    tell_doubt();
+    for (std::string& notice : passed_limits(system_, result_.state)) result_.notices.push_back(std::move(notice));
     if (!model_.frictions.empty())
       result_.notices.emplace_back("dry friction is left out: it may hold other poses too");
   }
 
+  // The first decision tells what could move at all, the last one what is at rest.
+  void tell_doubt() {
+    const RankDecision& told = decision_.confident ? first_decision_ : decision_;
+    if (!told.confident) result_.notices.push_back(doubtful_rank_notice(result_.state.t, told));
+  }
+
   void fail() {
     ReducedMotion motion = decide();
+    tell_doubt();
     result_.status = EquilibriumStatus::kNotFound;
     result_.selection = motion.selection();
     result_.u = motion.equations().u;
@@ -211,7 +222,8 @@ class Search {
   Scaling scaling_;
   EquilibriumOptions options_;
   EquilibriumResult result_;
-  Selection last_;  ///< Of the last pose that was not singular.
+  RankDecision first_decision_, decision_;  ///< Of the constraints, at the start and at the pose decided on last.
+  Selection last_;                          ///< Of the last pose that was not singular.
   int blind_steps_ = 0;
 };
 
@@ -224,31 +236,6 @@ EquilibriumResult solve_equilibrium(const DynamicsModel& model, const State& sta
   result.state = start;
   result.message = "not supported: " + model.unsupported.front();
   return result;
-}
-
-std::vector<JointReaction> compute_rest_reactions(const std::shared_ptr<const DynamicsModel>& model, const State& state,
-                                                  const Selection& selection, const VectorXd& lambda, const VectorXd& u,
-                                                  ReactionAxes axes, const DistributionOptions& distribution,
-                                                  DistributionOutcome* outcome) {
-  Equations eq = make_equations(*model);
-  compute_equations(*model, state, eq);
-  const VectorXd rest = VectorXd::Zero(model->system->nv);
-  return ReactionSolver(model, distribution).solve(state, eq, selection, rest, lambda, u, axes, outcome);
-}
-
-ModelSpec with_initial_pose(ModelSpec spec, const System& system, const State& state) {
-  spec.initial.clear();
-  for (std::size_t i = 1; i < system.nodes.size(); ++i) {
-    const Node& node = system.nodes[i];
-    const JointId id = system.topology->forest.nodes[i].joint;
-    if (!id.valid() || node.nq == 0) continue;
-    InitialSpec initial;
-    initial.joint = system.model->joint(id).name;
-    initial.guess = true;
-    for (int k = 0; k < node.nq; ++k) initial.position.emplace_back(state.q[node.q + k]);
-    spec.initial.push_back(std::move(initial));
-  }
-  return spec;
 }
 
 std::vector<std::string> passed_limits(const System& system, const State& state) {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "ferrers/dynamics/reactions.h"
+#include "ferrers/dynamics/rest_reactions.h"
 #include "ferrers/dynamics/stability.h"
 
 /// Problem: where does a mechanism come to rest under its loads, and does it stay there?
@@ -34,12 +34,9 @@ struct EquilibriumOptions {
   int max_iterations = 300;  ///< Steps.
 };
 
-struct EquilibriumResult {
+/// `u`: efforts by the laws. `notices`: a rank in doubt, joint limits that are passed.
+struct EquilibriumResult : RestPoint {
   EquilibriumStatus status = EquilibriumStatus::kFound;
-  State state;          ///< At rest.
-  Selection selection;  ///< There.
-  VectorXd lambda;      ///< m, zero at rows left out.
-  VectorXd u;           ///< nu: efforts by the laws.
   Energy energy;
   StabilityVerdict stability;
   EstimatedMatrix stiffness;  ///< K in the independent coordinates; empty at a singular pose.
@@ -47,21 +44,10 @@ struct EquilibriumResult {
   double force_scale_N = 0;   ///< Sum of all forces that act.
   int steps = 0;
   std::string message;
-  std::vector<std::string> notices;  ///< Joint limits that are passed.
 };
 
 EquilibriumResult solve_equilibrium(const DynamicsModel& model, const State& start,
                                     const EquilibriumOptions& options = {});
-
-/// Reactions of all joints at rest with efforts `u` and multipliers `lambda`.
-std::vector<JointReaction> compute_rest_reactions(const std::shared_ptr<const DynamicsModel>& model, const State& state,
-                                                  const Selection& selection, const VectorXd& lambda, const VectorXd& u,
-                                                  ReactionAxes axes, const DistributionOptions& distribution,
-                                                  DistributionOutcome* outcome = nullptr);
-
-/// The specification with this pose as `initial`: every tree joint's position as a guess that is already closed, at
-/// rest.
-ModelSpec with_initial_pose(ModelSpec spec, const System& system, const State& state);
 
 /// Joints whose coordinate is outside of their limits at this state, in words.
 std::vector<std::string> passed_limits(const System& system, const State& state);

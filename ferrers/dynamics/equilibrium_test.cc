@@ -69,8 +69,7 @@ TEST(EquilibriumTest, APendulumComesToRestBelowItsPivotAndItsPivotCarriesIt) {
   EXPECT_EQ(rest.stability.stability, Stability::kStable);
   EXPECT_NEAR(rest.stiffness.value(0, 0), kGravity, 1e-10);
   EXPECT_NEAR(rest.energy.total(), -kGravity, 1e-12);
-  const auto reactions =
-      compute_rest_reactions(probe.dynamics, rest.state, rest.selection, rest.lambda, rest.u, ReactionAxes::kWorld, {});
+  const auto reactions = compute_rest_reactions(probe.dynamics, rest, ReactionAxes::kWorld, {});
   EXPECT_NEAR(reactions[0].value[1], kGravity, 1e-12);
   EXPECT_EQ(reactions[0].status[1], ReactionStatus::kUnique);
 }

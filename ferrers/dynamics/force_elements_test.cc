@@ -63,5 +63,66 @@ TEST(ForceElementsTest, AnUnbalancedRotorLoadsItsBearingByItsProducts) {
   EXPECT_NEAR(bearing.value[4], 49 * 0.3, 1e-11);
 }
 
+// --- Viscous friction of joints without scalar coordinates ---
+
+void add_viscous(JointSpec& joint, double viscous) {
+  FrictionSpec friction;
+  friction.viscous = Number(viscous);
+  joint.friction = friction;
+}
+
+// In the tree and cut, against the second engine, which takes efforts along the angular velocities.
+TEST(ForceElementsTest, ViscousFrictionOfASphericalJointOpposesTheRelativeRotation) {
+  RandomSource random(5);
+  ModelSpec spec;
+  spec.name = "balls";
+  spec.bodies = {tensor_body("a", {1, 0, 0}, random_tensor(random), 2),
+                 tensor_body("b", {2, 1, 0}, random_tensor(random), 3)};
+  spec.joints = {joint(JointType::kSpherical, "A", "ground", "a", {0, 0, 0}),
+                 joint(JointType::kSpherical, "B", "a", "b", {2, 0, 0}),
+                 joint(JointType::kSpherical, "C", "b", "ground", {3, 2, 0})};
+  for (JointSpec& one : spec.joints) add_viscous(one, 0.7);
+  for (std::size_t cut = 0; cut < 3; ++cut) {
+    TopologyOptions options;
+    options.cut.assign(3, false);
+    options.cut[cut] = true;
+    EngineProbe engine(spec, options);
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+      const State state = engine.wandered(seed);
+      const ForwardResult result = engine.forward(state);
+      ASSERT_EQ(result.status, ForwardStatus::kSolved);
+      const AbsoluteState absolute = absolute_state(*engine.system, state);
+      const AbsoluteMotion wanted =
+          solve_absolute(engine.model(), absolute, applied_wrenches(engine.model(), absolute, 0));
+      const auto got = engine.body_accelerations(result.vdot);
+      for (std::size_t b = 1; b < got.size(); ++b) {
+        EXPECT_LT((got[b] - wanted.accelerations[b]).norm(), 1e-9 * (1 + got[b].norm())) << cut << " " << seed;
+      }
+    }
+  }
+}
+
+// One body on one joint, moving in all the ways that the joint leaves free: power of the friction −c (|ω|² + |v|²).
+TEST(ForceElementsTest, ViscousFrictionTakesItsPowerFromEveryFreeVelocity) {
+  constexpr double c = 0.4;
+  for (const JointType type :
+       {JointType::kSpherical, JointType::kFree, JointType::kPointOnLine, JointType::kPointOnPlane}) {
+    ModelSpec spec;
+    spec.name = "braked";
+    spec.bodies = {box_body("body", {0.3, 0.2, 0.1}, {1, 0.6, 0.4}, 2)};
+    spec.joints = {joint(type, "J", "ground", "body", {0, 0, 0})};
+    add_viscous(spec.joints[0], c);
+    EngineProbe engine(spec);
+    const State state = engine.wandered(3);
+    engine.evaluate(state);
+    const FramePair frames = engine.system->frame_pair(JointId(0));
+    const RelativeMotion motion = compute_relative_motion(frames, engine.eq.pos, engine.eq.vel);
+    EXPECT_GT(motion.w.norm(), 0.01);
+    EXPECT_EQ(motion.v.norm() > 0.01, type != JointType::kSpherical);
+    const double power = (engine.eq.force + engine.eq.h).dot(state.v);
+    EXPECT_NEAR(power, -c * (motion.w.squaredNorm() + motion.v.squaredNorm()), 1e-12) << joint_type_info(type).name;
+  }
+}
+
 }  // namespace
 }  // namespace ferrers::witness

@@ -23,7 +23,7 @@ std::optional<Formulation> find_formulation(std::string_view name) {
   return std::nullopt;
 }
 
-Formulation recommended_formulation(const System&) { return Formulation::kSparse; }
+Formulation recommended_formulation() { return Formulation::kSparse; }
 
 std::unique_ptr<ForwardSolver> make_forward_solver(Formulation formulation, const System& system,
                                                    const Selection& selection) {

@@ -40,8 +40,8 @@ inline constexpr std::array<Formulation, 4> kFormulations = {Formulation::kNullS
                                                              Formulation::kSparse, Formulation::kAugmentedLagrangian};
 std::string_view to_string(Formulation formulation);
 std::optional<Formulation> find_formulation(std::string_view name);
-/// What to take where nothing speaks for another one; see the figures above.
-Formulation recommended_formulation(const System& system);
+/// What to take where nothing speaks for another one, at any size; see the figures above.
+Formulation recommended_formulation();
 
 enum class ForwardStatus {
   kSolved,         ///< vdot and lambda are valid.

@@ -2,10 +2,12 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <vector>
 
 #include "ferrers/dynamics/forward.h"
 #include "ferrers/kinematics/scaling.h"
+#include "ferrers/math/rank_pivot.h"
 
 /// Problem: the accelerations that constraints allow, from all rows as they are, independent or not.
 ///
@@ -46,10 +48,14 @@ class AugmentedSolver final : public ForwardSolver {
     M_ = &eq.M;
     G_ = &eq.constraints.G;
     if (weight_.size() != G_->rows()) make_room();
+    if (M_->rows() == 0) {  // nothing moves, and no load reaches a row
+      smallest_pivot_ = 1;
+      return resolve(eq.force, eq.constraints.gamma, out);
+    }
     weigh_rows();
     assemble();
     llt_.compute(A_);
-    if (llt_.info() != Eigen::Success) {
+    if (llt_.info() != Eigen::Success || has_lost_pivot()) {
       out.status = ForwardStatus::kSingularMass;
       return;
     }
@@ -58,9 +64,10 @@ class AugmentedSolver final : public ForwardSolver {
   }
 
   void resolve(const VectorXd& force, const VectorXd& gamma, ForwardResult& out) override {
-    out.status = ForwardStatus::kNotConverged;
+    out.status = M_->rows() > 0 ? ForwardStatus::kNotConverged : ForwardStatus::kSolved;
     out.vdot.setZero();
     out.lambda.setZero();
+    if (M_->rows() == 0) return;
     error_ = gamma;
     double smallest = INFINITY;
     for (int pass = 0; pass < kMostPasses; ++pass) {
@@ -127,6 +134,16 @@ class AugmentedSolver final : public ForwardSolver {
         for (std::size_t b = a; b < entries_.size(); ++b) A_(entries_[b], entries_[a]) += weighted * row[entries_[b]];
       }
     }
+  }
+
+  // A motion without mass: beside its own mass, or beside what the penalty rounds off.
+  bool has_lost_pivot() const {
+    constexpr double kRounding = 16 * std::numeric_limits<double>::epsilon();
+    for (long k = 0; k < A_.rows(); ++k) {
+      const double root = llt_.matrixLLT()(k, k);
+      if (is_lost_pivot(root * root, (*M_)(k, k)) || !(root * root > kRounding * A_(k, k))) return true;
+    }
+    return false;
   }
 
   // The factor's diagonal over √ρ is that of the scaled G's own triangular factor where constraints act, and about √ε

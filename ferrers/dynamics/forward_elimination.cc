@@ -1,6 +1,7 @@
 #include <Eigen/Cholesky>
 
 #include "ferrers/dynamics/forward.h"
+#include "ferrers/math/rank_pivot.h"
 
 namespace ferrers {
 namespace {
@@ -22,7 +23,7 @@ class EliminationSolver final : public ForwardSolver {
   void solve(const Equations& eq, ForwardResult& out) override {
     out.status = ForwardStatus::kSolved;
     mass_.compute(eq.M);
-    if (mass_.info() != Eigen::Success) {
+    if (mass_.info() != Eigen::Success || has_lost_pivot(eq.M)) {
       out.status = ForwardStatus::kSingularMass;
       return;
     }
@@ -58,6 +59,14 @@ class EliminationSolver final : public ForwardSolver {
   double smallest_pivot() const override { return r_ > 0 ? llt_.matrixLLT().diagonal().cwiseAbs().minCoeff() : 1.0; }
 
  private:
+  bool has_lost_pivot(const MatrixXd& M) const {
+    for (long k = 0; k < M.rows(); ++k) {
+      const double root = mass_.matrixLLT()(k, k);
+      if (is_lost_pivot(root * root, M(k, k))) return true;
+    }
+    return false;
+  }
+
   Selection s_;
   int r_;
   MatrixXd X_, A_;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ferrers/math/rank_pivot.h"
+
 namespace ferrers {
 
 void SparseKkt::load(const MatrixXd& M, const RowMatrixXd& G) {
@@ -40,10 +42,10 @@ void SparseKkt::eliminate(const Pair& pair) {
   }
 }
 
-bool SparseKkt::eliminate(const Single& single) {
+bool SparseKkt::eliminate(const Single& single, double began) {
   double* x = x_.data();
   const double mass = x[single.diagonal];
-  if (!(mass > 0)) return false;
+  if (is_lost_pivot(mass, began)) return false;
   const double inverse = 1 / mass;
   x[single.diagonal] = inverse;
   const double* r = x + single.diagonal + 1;
@@ -60,8 +62,10 @@ ForwardStatus SparseKkt::factor(const MatrixXd& M, const RowMatrixXd& G) {
   load(M, G);
   smallest_pivot_ = pairs_.empty() ? 1 : INFINITY;
   for (const Pair& pair : pairs_) eliminate(pair);
-  for (const Single& single : singles_) {
-    if (!eliminate(single)) return ForwardStatus::kSingularMass;
+  // What a motion without mass leaves of either is rounding: of its own mass, or of that with what follows it.
+  for (std::size_t k = 0; k < singles_.size(); ++k) began_[k] = M.data()[singles_[k].mass] + x_[singles_[k].diagonal];
+  for (std::size_t k = 0; k < singles_.size(); ++k) {
+    if (!eliminate(singles_[k], began_[k])) return ForwardStatus::kSingularMass;
   }
   return ForwardStatus::kSolved;
 }

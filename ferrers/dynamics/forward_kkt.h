@@ -43,8 +43,8 @@ class SparseKkt {
   SparseKkt(const KktStructure& structure, const std::vector<int>& rows, const VectorXd& column_scale,
             const RowMatrixXd& G);
 
-  /// kSingularMass where Nᵀ M N is not positive definite, kWornSelection where some row has no coordinate to
-  /// determine. Reads entries of the structure only. Allocates nothing.
+  /// kSingularMass where Nᵀ M N is not positive definite but for rounding, kWornSelection where some row has no
+  /// coordinate to determine. Reads entries of the structure only. Allocates nothing.
   ForwardStatus factor(const MatrixXd& M, const RowMatrixXd& G);
   /// With the last factors. `gamma`, `lambda`: of all rows of G; only the chosen ones are read and written.
   void solve(const VectorXd& force, const VectorXd& gamma, VectorXd& vdot, VectorXd& lambda);
@@ -81,6 +81,7 @@ class SparseKkt {
   struct Single {
     int position = 0, diagonal = 0, count = 0, columns = 0;
     Range runs;
+    std::ptrdiff_t mass = 0;  ///< Its diagonal entry in M.
   };
   struct Move {
     int to;
@@ -89,7 +90,7 @@ class SparseKkt {
 
   void load(const MatrixXd& M, const RowMatrixXd& G);
   void eliminate(const Pair& pair);
-  bool eliminate(const Single& single);
+  bool eliminate(const Single& single, double began);
 
   std::vector<double> x_;  // all entries, in the order of elimination
   std::vector<Move> mass_moves_, row_moves_;
@@ -100,6 +101,7 @@ class SparseKkt {
   std::vector<int> columns_;            // positions of coordinates in the order
   std::vector<int> order_;              // coordinates by position
   std::vector<double> f_, b_, lambda_;  // by position; by pair
+  std::vector<double> began_;           // per single: the masses that its pivot is left of
   bool complete_ = false;
   double smallest_pivot_ = 0;
   long operations_ = 0;

@@ -216,6 +216,7 @@ class KktCompiler {
     out_.f_.resize(steps_.size());
     out_.b_.resize(rows.size());
     out_.lambda_.resize(rows.size());
+    out_.began_.resize(out_.singles_.size());
   }
 
  private:
@@ -329,6 +330,7 @@ class KktCompiler {
     SparseKkt::Single single;
     single.position = position;
     single.diagonal = mass_[position].begin;
+    single.mass = step.column * (static_cast<std::ptrdiff_t>(position_.size()) + 1);
     single.count = static_cast<int>(step.touched.size());
     single.columns = begin_columns(step.touched);
     single.runs = no_runs();

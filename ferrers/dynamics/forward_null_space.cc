@@ -2,6 +2,7 @@
 #include <Eigen/LU>
 
 #include "ferrers/dynamics/forward.h"
+#include "ferrers/math/rank_pivot.h"
 
 namespace ferrers {
 namespace {
@@ -46,7 +47,7 @@ class NullSpaceSolver final : public ForwardSolver {
       reduced_.noalias() = N_.transpose() * M_N_;
       z_.noalias() = N_.transpose() * residual_;
       llt_.compute(reduced_);
-      if (llt_.info() != Eigen::Success) {
+      if (llt_.info() != Eigen::Success || has_lost_pivot()) {
         out.status = ForwardStatus::kSingularMass;
         return;
       }
@@ -96,6 +97,15 @@ class NullSpaceSolver final : public ForwardSolver {
     }
     lu_.matrixLU().triangularView<Eigen::UnitLower>().solveInPlace(X_);
     lu_.matrixLU().triangularView<Eigen::Upper>().solveInPlace(X_);
+  }
+
+  // Whether some motion has no mass: what is left is rounding of its own mass, or of that with what follows it.
+  bool has_lost_pivot() const {
+    for (int k = 0; k < w_; ++k) {
+      const double root = llt_.matrixLLT()(k, k), own = (*M_)(s_.independent[k], s_.independent[k]);
+      if (is_lost_pivot(root * root, own + reduced_(k, k))) return true;
+    }
+    return false;
   }
 
   // G_dᵀ lambda = −residual_d, with G_dᵀ = Uᵀ Lᵀ P.

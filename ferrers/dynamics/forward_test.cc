@@ -191,6 +191,62 @@ TEST(ForwardTest, AMotionThatMovesNoMassIsSaid) {
   }
 }
 
+ModelSpec point_mass_on_a_ball(const Point& at) {
+  ModelSpec spec;
+  spec.name = "point_mass";
+  spec.gravity = number3(0, 0, -9.81);
+  spec.bodies = {tensor_body("bob", at, Matrix3d::Zero(), 1.3)};
+  spec.joints = {joint(JointType::kSpherical, "ball", "ground", "bob", {0, 0, 0})};
+  return spec;
+}
+
+// A frame without inertia between two hinges on one line, which both turn the same body.
+ModelSpec idle_frame(double inertia, double lever) {
+  ModelSpec spec;
+  spec.name = "idle_frame";
+  spec.gravity = number3(0, -9.81, 0);
+  const Point axis(0.3, 0.5, 0.8);
+  spec.bodies = {tensor_body("frame", {0, 0, 0}, Matrix3d::Zero(), 0),
+                 tensor_body("body", {lever, 0, 0}, inertia * Matrix3d::Identity(), 1.7)};
+  spec.joints = {joint(JointType::kRevolute, "outer", "ground", "frame", {0, 0, 0}, axis),
+                 joint(JointType::kRevolute, "inner", "frame", "body", {0, 0, 0}, axis)};
+  return spec;
+}
+
+// Whatever rounding makes of a pivot that is zero: no value of these masses has accelerations.
+TEST(ForwardTest, AMotionWithoutMassIsSaidWhateverItsRounding) {
+  RandomSource random(3);
+  for (int i = 0; i < 50; ++i) {
+    const Point at(random.between(-1, 1), random.between(-1, 1), random.between(-1, 1));
+    for (const ModelSpec& spec :
+         {point_mass_on_a_ball(at), idle_frame(random.between(0.001, 1), random.between(0, 1))}) {
+      SCOPED_TRACE(spec.name);
+      EngineProbe engine(spec);
+      State state = make_drawn_state(*engine.system);
+      for (double& v : state.v) v = random.between(-1, 1);
+      for (const Formulation formulation : kFormulations) {
+        EXPECT_EQ(engine.forward(state, formulation).status, ForwardStatus::kSingularMass) << to_string(formulation);
+      }
+    }
+  }
+}
+
+// Nine orders of magnitude between the inertias are no singular mass: the small body alone feels the torque on it.
+TEST(ForwardTest, ALightFrameIsNoFrameWithoutMass) {
+  const double small = 1e-9;
+  ModelSpec spec = idle_frame(1, 0);
+  const Matrix3d tensor = small * Matrix3d::Identity();
+  spec.bodies[0] = tensor_body("frame", {0, 0, 0}, tensor, 1);
+  spec.drives = {coordinate_drive("motor", "outer", "", "2e-9")};
+  EngineProbe engine(spec);
+  const State state = make_drawn_state(*engine.system);
+  for (const Formulation formulation : {Formulation::kNullSpace, Formulation::kElimination, Formulation::kSparse}) {
+    const ForwardResult got = engine.forward(state, formulation);
+    ASSERT_EQ(got.status, ForwardStatus::kSolved) << to_string(formulation);
+    EXPECT_NEAR(got.vdot[0], 2, 1e-6) << to_string(formulation);
+  }
+}
+
 // The drawn pose, its independent coordinates moving at unit rates.
 State moving(EngineProbe& engine, const Selection& s) {
   State state = make_drawn_state(*engine.system);

@@ -31,20 +31,6 @@ double pressing_force(const BoundFriction& friction, const ContactLoad& w, Conta
   return total;
 }
 
-// Multipliers of all rows of the equations (the system's, then the drives') that balance each other, one per row left
-// out; by elimination with the selection.
-MatrixXd balanced_multipliers(const Selection& selection, const RowMatrixXd& G) {
-  const auto total = static_cast<int>(G.rows());
-  const std::vector<int> excluded = selection.excluded_rows(total);
-  MatrixXd Z = MatrixXd::Zero(total, static_cast<long>(excluded.size()));
-  for (std::size_t e = 0; e < excluded.size(); ++e) Z(excluded[e], static_cast<long>(e)) = 1;
-  if (selection.rows.empty() || excluded.empty()) return Z;
-  const MatrixXd G_d = G(selection.rows, selection.dependent), G_e = G(excluded, selection.dependent);
-  const MatrixXd shares = G_d.transpose().partialPivLu().solve(G_e.transpose());
-  for (std::size_t i = 0; i < selection.rows.size(); ++i) Z.row(selection.rows[i]) = -shares.row(static_cast<long>(i));
-  return Z;
-}
-
 // Drive efforts that multipliers of the equations' driven rows mean.
 MatrixXd driven_efforts(const DynamicsModel& model, const Equations& eq, const MatrixXd& lambda) {
   MatrixXd u = MatrixXd::Zero(model.nu(), lambda.cols());
@@ -52,20 +38,6 @@ MatrixXd driven_efforts(const DynamicsModel& model, const Equations& eq, const M
     u.row(eq.driven[i]) = lambda.row(model.system->m + static_cast<long>(i));
   }
   return u;
-}
-
-// Self-stresses of all joints' rows, orthonormal in scaled units, from balanced multipliers of the equations' rows.
-MatrixXd joint_self_stresses(const DynamicsModel& model, const Scaling& scaling, const AllRows& rows,
-                             const State& state, const Equations& eq, const std::vector<JointFrameWrenches>& joints,
-                             const MatrixXd& multipliers) {
-  const System& system = *model.system;
-  if (eq.driven.empty()) return complete_self_stresses(system, scaling, rows, eq.pos, joints, multipliers);
-  LoadChanges changes;
-  changes.lambda = multipliers;
-  changes.vdot = MatrixXd::Zero(system.nv, multipliers.cols());
-  changes.u = driven_efforts(model, eq, multipliers);
-  changes.friction = MatrixXd::Zero(model.friction_slips, multipliers.cols());
-  return distribute_to_joints(system, rows, scaling, eq.pos, joints, make_changed_loads(model, state, eq, changes));
 }
 
 }  // namespace
@@ -168,15 +140,17 @@ MatrixXd FrictionSolver::pressing_loads(const State& state, const Equations& eq,
   all.rightCols(nf) =
       distribute_to_joints(system, rows_, scaling_, eq.pos, joints, make_changed_loads(*model_, state, eq, units));
 
-  const MatrixXd Z = joint_self_stresses(*model_, scaling_, rows_, state, eq, joints,
-                                         balanced_multipliers(selection, eq.constraints.G));
+  // Prescribed motions add none: those that are followed are independent of the joints, and what the others could do
+  // is fixed, since they act with no effort.
+  const MatrixXd Z = complete_self_stresses(system, scaling_, rows_, eq.pos, joints,
+                                            self_stresses_of_selection(system, selection, eq.constraints.G));
   const std::vector<ComponentMap> maps = compute_component_maps(system, joints);
   const bool judge = !judged_ || judged_rows_ != selection.rows;
   judged_ = true;
   judged_rows_ = selection.rows;
   std::optional<ForceMethod> method;
   std::vector<bool> valid;
-  if (Z.cols() > 0 && springs_.any && eq.driven.empty()) {
+  if (Z.cols() > 0 && springs_.any) {
     method = make_force_method(rows_, maps, springs_, Z, scaling_.length_m);
     const VectorXd delta = misalignment_of_rows(rows_, maps, springs_);
     for (long k = 0; k <= nf; ++k) {

@@ -60,8 +60,8 @@ class FrictionSolver {
   bool any() const { return !model_->frictions.empty(); }
 
   /// After `solver.solve(eq, result)`, which was solved without friction: adds friction to `eq` (friction, tau, force)
-  /// and to the result. `selection`: of the same decision as the solver's; which reactions are unique is judged anew
-  /// when its rows change.
+  /// and to the result. `selection`: of the system's own rows, without driven ones, of the same decision as the
+  /// solver's; which reactions are unique is judged anew when its rows change.
   FrictionStatus solve(const State& state, Equations& eq, const Selection& selection, ForwardSolver& solver,
                        ForwardResult& result);
 

@@ -6,6 +6,7 @@
 #include "ferrers/dynamics/named_coordinates.h"
 #include "ferrers/dynamics/reduced_motion.h"
 #include "ferrers/math/rank.h"
+#include "ferrers/redundancy/rank_notice.h"
 
 namespace ferrers {
 namespace {
@@ -27,8 +28,7 @@ HoldingSystem make_system(const DynamicsModel& model, const ReducedMotion& motio
   }
   out.unit = VectorXd::Ones(static_cast<long>(out.drives.size()));
   for (std::size_t k = 0; k < out.drives.size(); ++k) {
-    const bool angular = effort_unit(model, model.drives[out.drives[k]]) != "N";
-    if (angular) out.unit[static_cast<long>(k)] = scaling.length_m;
+    if (model.drives[out.drives[k]].rotary) out.unit[static_cast<long>(k)] = scaling.length_m;
   }
   const MatrixXd X = motion.body_displacements();
   out.metric.compute(X.transpose() * X);
@@ -56,6 +56,21 @@ VectorXd least_weighted(const DynamicsModel& model, const HoldingSystem& hold, c
   return some - open * back;
 }
 
+// Efforts that move nothing, orthonormal in scaled units, with the multipliers that balance them.
+void add_idle(const ReducedMotion& motion, const HoldingSystem& hold, const MatrixXd& open, HoldingResult& out) {
+  const RowMatrixXd& B_transposed = motion.equations().B_transposed;
+  const long m = motion.equations().constraints.phi.size();
+  out.idle_efforts = MatrixXd::Zero(out.u.size(), open.cols());
+  out.idle_lambda = MatrixXd::Zero(m, open.cols());
+  for (std::size_t i = 0; i < hold.drives.size(); ++i) {
+    const long row = static_cast<long>(i);
+    out.idle_efforts.row(hold.drives[i]) = hold.unit[row] * open.row(row);
+  }
+  for (long k = 0; k < open.cols(); ++k) {
+    out.idle_lambda.col(k) = motion.rest_multipliers(B_transposed.transpose() * out.idle_efforts.col(k));
+  }
+}
+
 }  // namespace
 
 std::vector<bool> holding_drives(const DynamicsModel& model) {
@@ -65,12 +80,7 @@ std::vector<bool> holding_drives(const DynamicsModel& model) {
   return any ? holds : std::vector<bool>(holds.size(), true);
 }
 
-std::string_view effort_unit(const DynamicsModel& model, const DriveComponent& drive) {
-  if (drive.kind != Drive::Kind::kCoordinate) return "N";
-  const Joint& joint = model.system->model->joint(drive.coordinate.joint);
-  const CoordinateKind kind = joint_type_info(joint.type).coordinates[drive.coordinate.index].kind;
-  return kind == CoordinateKind::kAngle || kind == CoordinateKind::kRotationRate ? "N·m" : "N";
-}
+std::string_view effort_unit(const DriveComponent& drive) { return drive.rotary ? "N·m" : "N"; }
 
 HoldingResult solve_holding_efforts(const DynamicsModel& model, const State& pose, double t) {
   const System& system = *model.system;
@@ -87,13 +97,15 @@ HoldingResult solve_holding_efforts(const DynamicsModel& model, const State& pos
   const Scaling scaling = make_scaling(system);
   Equations eq = make_equations(model);
   compute_kinematics(model, out.state, eq);
-  out.selection = select_independent(system, scaling, eq.constraints);
+  RankDecision constraints;
+  out.selection = select_independent(system, scaling, eq.constraints, &constraints);
+  if (!constraints.confident) out.notices.push_back(doubtful_rank_notice(t, constraints));
   const ReducedMotion motion(model, scaling, out.state, out.selection);
   const HoldingSystem hold = make_system(model, motion, out.holds, scaling);
   out.energy = compute_energy(model, out.state, motion.equations().pos, motion.equations().vel);
 
   const RankAnalysis rank = analyze_rank(hold.C);
-  out.confident = rank.decision.confident;
+  out.confident = constraints.confident && rank.decision.confident;
   VectorXd least = VectorXd::Zero(static_cast<long>(hold.drives.size()));
   if (hold.C.size() > 0) least = least_weighted(model, hold, rank.right_null);
   out.u = motion.equations().u;
@@ -103,6 +115,7 @@ HoldingResult solve_holding_efforts(const DynamicsModel& model, const State& pos
     out.u[hold.drives[k]] = hold.unit[row] * least[row];
     out.unique[hold.drives[k]] = is_negligible(rank.right_null.row(row).norm(), 1.0);
   }
+  add_idle(motion, hold, rank.right_null, out);
   out.free_motions = static_cast<int>(rank.left_null.cols());
   const auto motion_of = [&](const VectorXd& x) -> VectorXd {
     return motion.N() * VectorXd(hold.metric.matrixU().solve(x));

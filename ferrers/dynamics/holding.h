@@ -5,8 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "ferrers/dynamics/equations.h"
-#include "ferrers/redundancy/analysis.h"
+#include "ferrers/dynamics/rest_reactions.h"
 
 /// Problem: which efforts of the drives keep a mechanism at rest in a given pose?
 ///
@@ -26,18 +25,15 @@ enum class HoldingStatus {
   kUnsupported,  ///< The model asks what cannot be done: `message`. Nothing was computed.
 };
 
-struct HoldingResult {
+/// `state`: the pose, at rest. `notices`: a rank in doubt.
+struct HoldingResult : RestPoint {
   HoldingStatus status = HoldingStatus::kHeld;
-  State state;               ///< The pose, at rest.
-  Selection selection;       ///< There.
-  VectorXd lambda;           ///< m, zero at rows left out.
-  VectorXd u;                ///< nu.
   std::vector<bool> holds;   ///< nu: the drive was free to choose its effort.
   std::vector<bool> unique;  ///< nu: no other effort of this drive would do (true where it does not hold).
   int free_motions = 0;      ///< Motions that no drive resists, started or not.
   std::vector<std::string> free_motion_names;  ///< The coordinates that take part in each of them.
-  bool confident = true;                       ///< Both ranks were clear decisions.
-  double residual_N = 0;                       ///< Force that nobody holds, over unit displacements of the bodies, N.
+  bool confident = true;  ///< Clear decisions: the rank of the constraints, and how many motions the drives resist.
+  double residual_N = 0;  ///< Force that nobody holds, over unit displacements of the bodies, N.
   Energy energy;
   std::string message;
 };
@@ -47,7 +43,7 @@ struct HoldingResult {
 std::vector<bool> holding_drives(const DynamicsModel& model);
 
 /// "N·m" of drives on angles, else "N".
-std::string_view effort_unit(const DynamicsModel& model, const DriveComponent& drive);
+std::string_view effort_unit(const DriveComponent& drive);
 
 /// Efforts that hold `pose` at time t.
 HoldingResult solve_holding_efforts(const DynamicsModel& model, const State& pose, double t = 0);

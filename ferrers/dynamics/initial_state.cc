@@ -3,7 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 
-#include "ferrers/math/rank.h"
+#include "ferrers/redundancy/selection.h"
 
 namespace ferrers {
 namespace {
@@ -84,8 +84,9 @@ InitialStateResult make_initial_state(const DynamicsModel& model, const Assembly
   A << scaling.rows.asDiagonal() * eq.constraints.G, targets.D;
   VectorXd b = VectorXd::Zero(A.rows());
   b.tail(targets.d.size()) = targets.d;
-  const MatrixXd scaled = A * scaling.columns.asDiagonal();
-  const std::vector<int> rows = choose_independent_rows(scaled, analyze_rank(scaled, 1.0).decision.rank);
+  const Selection closures = select_independent(system, scaling, eq.constraints);
+  const VectorXd as_they_are = VectorXd::Ones(targets.d.size());  // `read_targets` scaled them
+  const std::vector<int> rows = extend_selection(closures, A, system.m, as_they_are, scaling.columns).selection.rows;
   const MatrixXd A_r = A(rows, Eigen::all);
   const MatrixXd X = make_metric(eq.M, scaling).solve(A_r.transpose());
   result.state.v = X * (A_r * X).ldlt().solve(VectorXd(b(rows)));

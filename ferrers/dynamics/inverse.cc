@@ -10,6 +10,8 @@
 
 #include "ferrers/dynamics/free_motions.h"
 #include "ferrers/dynamics/least_effort.h"
+#include "ferrers/math/maximum.h"
+#include "ferrers/redundancy/rank_notice.h"
 
 namespace ferrers {
 namespace {
@@ -17,6 +19,10 @@ namespace {
 // How well laws that are given twice must agree, positions relative to the model's size, rates and accelerations
 // relative to the motion: tables and measured laws agree to their digits only, above all in their derivatives.
 constexpr double kAgreement[3] = {1e-8, 1e-6, 1e-4};
+
+// Of the way to positions that are walked to: how small a first piece may be, so that the walk ends, and how small one
+// may become where the mechanism does not follow.
+constexpr double kLeastFirstPiece = 1e-7, kLeastPiece = 1e-5;
 
 std::string quoted(const std::vector<std::string>& names) {
   std::string text;
@@ -43,6 +49,9 @@ struct PrescribedMotion::Impl {
   bool rates_known = false;
   bool singular_here = false;  // at the last instant
   Selection reported;          // there: what is independent at that pose
+  std::vector<std::string> notices;
+  bool told_singular = false;     // whether a doubtful rank at a singular pose is among them
+  std::vector<Law::Motion> laws;  // of `prescribed`, at the instant that is solved
 
   // Rows [G_r; D_chosen] of the square system; D, values and biases of all laws.
   RowMatrixXd D;
@@ -76,7 +85,9 @@ struct PrescribedMotion::Impl {
     current.u = VectorXd::Zero(model->nu());
     current.effort_is_shared.assign(static_cast<std::size_t>(model->nu()), false);
     evaluate(current.state);
-    selection = select_independent(system, scaling, eq.constraints);
+    RankDecision decision;
+    selection = select_independent(system, scaling, eq.constraints, &decision);
+    if (!decision.confident) notices.push_back(doubtful_rank_notice(current.state.t, decision));
     choose_laws();
     judge_start();
   }
@@ -145,19 +156,19 @@ struct PrescribedMotion::Impl {
       for (int k = 0; k < r; ++k) {
         const int row = selection.rows[k];
         residual[k] = eq.constraints.phi[row];
-        size = std::max(size, std::abs(residual[k]) * scaling.rows[row]);
+        size = max_keeping_nan(size, std::abs(residual[k]) * scaling.rows[row]);
       }
       for (std::size_t k = 0; k < followed.size(); ++k) {
         const double off = drive_value[followed[k]] - target[followed[k]];
         residual[r + static_cast<long>(k)] = off;
-        size = std::max(size, std::abs(off) * drive_scale[followed[k]]);
+        size = max_keeping_nan(size, std::abs(off) * drive_scale[followed[k]]);
       }
       if (!std::isfinite(size)) return false;
       const bool settled = size <= closed_tolerance(scaling) && size > 0.1 * before;
       if (settled || size == 0) return all_rows_hold();
       before = size;
       VectorXd step = by_all ? solve_all_rows(-residual).x : newton_step(residual);
-      const double length = step.cwiseQuotient(scaling.columns).cwiseAbs().maxCoeff() / scaling.length_m;
+      const double length = largest_magnitude(step.cwiseQuotient(scaling.columns)) / scaling.length_m;
       if (!std::isfinite(length)) return false;
       if (length > 0.5) step *= 0.5 / length;
       displace(system, step, state.q);
@@ -171,9 +182,9 @@ struct PrescribedMotion::Impl {
   }
 
   std::vector<int> all_laws() const {
-    std::vector<int> laws(prescribed.size());
-    for (std::size_t i = 0; i < laws.size(); ++i) laws[i] = static_cast<int>(i);
-    return laws;
+    std::vector<int> all(prescribed.size());
+    for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<int>(i);
+    return all;
   }
 
   // [G_r; D] x = rhs with the rows of all laws, as well as can be; `residual` of the result is scaled.
@@ -189,20 +200,35 @@ struct PrescribedMotion::Impl {
   }
 
   bool all_rows_hold() const {
-    if (system.m == 0) return true;
-    return eq.constraints.phi.cwiseProduct(scaling.rows).cwiseAbs().maxCoeff() <= 1e3 * closed_tolerance(scaling);
+    return largest_magnitude(eq.constraints.phi.cwiseProduct(scaling.rows)) <= 1e3 * closed_tolerance(scaling);
   }
 
-  VectorXd targets(double t) const {
-    VectorXd target(static_cast<long>(prescribed.size()));
-    for (long i = 0; i < target.size(); ++i) target[i] = model->drives[prescribed[i]].motion->motion(t).value;
+  // Evaluates the laws; returns what is not finite, in words, or nothing.
+  std::string read_laws(double t) {
+    laws.clear();
+    for (const int i : prescribed) {
+      const DriveComponent& drive = model->drives[i];
+      const Law::Motion& law = laws.emplace_back(drive.motion->motion(t));
+      const char* what = !std::isfinite(law.value)          ? "value"
+                         : !std::isfinite(law.rate)         ? "rate"
+                         : !std::isfinite(law.acceleration) ? "acceleration"
+                                                            : nullptr;
+      if (what == nullptr) continue;
+      return fmt::format("the motion of drive '{}' has no finite {} at t = {:.9g} s", drive.name, what, t);
+    }
+    return "";
+  }
+
+  VectorXd targets() const {
+    VectorXd target(static_cast<long>(laws.size()));
+    for (long i = 0; i < target.size(); ++i) target[i] = laws[static_cast<std::size_t>(i)].value;
     return target;
   }
 
   // How far the chosen laws go between two sets of targets, in rad or characteristic lengths.
   double distance(const VectorXd& a, const VectorXd& b) const {
     double most = 0;
-    for (const int i : chosen) most = std::max(most, std::abs(a[i] - b[i]) * drive_scale[i]);
+    for (const int i : chosen) most = max_keeping_nan(most, std::abs(a[i] - b[i]) * drive_scale[i]);
     return most / scaling.length_m;
   }
 
@@ -224,6 +250,7 @@ struct PrescribedMotion::Impl {
   bool walk_along_chosen(State& state, const VectorXd& target) {
     const VectorXd from = drive_value;
     double done = 0, piece = 1 / std::max(1.0, std::ceil(distance(from, target) / 0.1));
+    if (!(piece >= kLeastFirstPiece)) return false;  // as far away as that, or nowhere
     while (done < 1) {
       const double next = std::min(1.0, done + piece);
       State trial = state;
@@ -235,7 +262,7 @@ struct PrescribedMotion::Impl {
         continue;
       }
       piece /= 4;
-      if (piece < 1e-5) return false;
+      if (piece < kLeastPiece) return false;
     }
     return true;
   }
@@ -243,26 +270,33 @@ struct PrescribedMotion::Impl {
   // The rows kept must stay well conditioned along the motion; their number does not change here.
   void refresh_selection() { selection = reselect(system, scaling, eq.constraints, selection); }
 
-  bool solve_rates(double t) {
+  bool solve_rates() {
     const int r = kept_rows();
     const auto k = static_cast<long>(prescribed.size());
     State& state = current.state;
     VectorXd rates(k), accelerations(k), gamma(r);
     for (long i = 0; i < k; ++i) {
-      const Law::Motion motion = model->drives[prescribed[i]].motion->motion(t);
-      rates[i] = motion.rate;
-      accelerations[i] = motion.acceleration;
+      rates[i] = laws[static_cast<std::size_t>(i)].rate;
+      accelerations[i] = laws[static_cast<std::size_t>(i)].acceleration;
     }
     state.v.setZero();
     evaluate(state);
     factor();
     singular_here = !is_regular();
-    if (singular_here) reported = select_independent(system, scaling, eq.constraints);
+    if (singular_here) report_singular_pose();
     if (!solve_rows(VectorXd::Zero(r), rates, 0, state.v)) return false;
     evaluate(state);
     const double turning = state.v.cwiseQuotient(scaling.columns).norm() / scaling.length_m;
     for (int i = 0; i < r; ++i) gamma[i] = eq.constraints.gamma[selection.rows[i]];
     return solve_rows(gamma, accelerations - drive_bias, turning * turning * scaling.length_m, current.vdot);
+  }
+
+  void report_singular_pose() {
+    RankDecision decision;
+    reported = select_independent(system, scaling, eq.constraints, &decision);
+    if (decision.confident || told_singular) return;
+    told_singular = true;
+    notices.push_back(doubtful_rank_notice(current.state.t, decision));
   }
 
   // G_r x = top, D x = wanted, by the chosen laws. At a singular pose by all of them, the least solution in scaled
@@ -286,7 +320,7 @@ struct PrescribedMotion::Impl {
 
   bool is_regular() const {
     const MatrixXd scaled = row_scales().asDiagonal() * A * scaling.columns.asDiagonal();
-    return decide_rank(scaled.jacobiSvd().singularValues(), 1.0).rank == system.nv;
+    return decide_rank(compute_singular_values(scaled), 1.0).rank == system.nv;
   }
 
   VectorXd row_scales() const {
@@ -308,7 +342,7 @@ struct PrescribedMotion::Impl {
         std::max(drive_scale.cwiseProduct(accelerations).cwiseAbs().maxCoeff(), rate * rate / scaling.length_m);
     for (long i = 0; i < static_cast<long>(prescribed.size()); ++i) {
       const DriveComponent& drive = model->drives[prescribed[i]];
-      const Law::Motion law = drive.motion->motion(t);
+      const Law::Motion& law = laws[static_cast<std::size_t>(i)];
       const char* unit = drive.rotary ? "rad" : "m";
       // not a rank decision: whether given laws agree
       const auto differs = [&](double asked, double got, double size, double agreement) {
@@ -456,14 +490,14 @@ struct PrescribedMotion::Impl {
     if (started && rates_known) {  // predict, then correct
       const double dt = t - state.t;
       const VectorXd step = dt * state.v + 0.5 * dt * dt * current.vdot;
-      const double size = step.cwiseQuotient(scaling.columns).cwiseAbs().maxCoeff() / scaling.length_m;
+      const double size = largest_magnitude(step.cwiseQuotient(scaling.columns)) / scaling.length_m;
       if (size < 0.3) displace(system, step, state.q);
     }
     if (watched() > 0) {
       evaluate(state);
       choose_laws();
     }
-    const VectorXd target = targets(t);
+    const VectorXd target = targets();
     State walked = current.state;
     if (!started || !settle_positions(state, target)) {
       if (!walk(walked, target)) return false;
@@ -484,11 +518,14 @@ struct PrescribedMotion::Impl {
 
   const PrescribedResult& solve(double t, bool with_efforts) {
     if (current.status == PrescribedStatus::kUndriven) return current;
+    if (std::string reason = read_laws(t); !reason.empty()) {
+      return fail(PrescribedStatus::kUndefined, std::move(reason));
+    }
     if (!reach(t)) {
       return fail(PrescribedStatus::kNotReached,
                   fmt::format("the prescribed positions cannot be reached at t = {:.9g} s", t));
     }
-    rates_known = solve_rates(t);
+    rates_known = solve_rates();
     if (!rates_known) {
       return fail(PrescribedStatus::kSingular,
                   fmt::format("the driven mechanism is at a singular pose (a dead point) at t = {:.9g} s", t));
@@ -519,6 +556,7 @@ PrescribedResult PrescribedMotion::check() const { return impl_->current; }
 PrescribedResult PrescribedMotion::solve(double t, bool with_efforts) { return impl_->solve(t, with_efforts); }
 
 const Equations& PrescribedMotion::equations() const { return impl_->eq; }
+const std::vector<std::string>& PrescribedMotion::notices() const { return impl_->notices; }
 const Selection& PrescribedMotion::selection() const {
   return impl_->singular_here ? impl_->reported : impl_->selection;
 }

@@ -30,6 +30,7 @@ enum class PrescribedStatus {
   kUndriven,       ///< Some motion is not prescribed: `message` names what moves and what to drive. Nothing computed.
   kContradictory,  ///< Prescribed motions contradict each other: `message` says which, when and by how much.
   kNotReached,     ///< The prescribed positions cannot be reached at this time: the state is the last good one.
+  kUndefined,      ///< A law has no finite value, rate or acceleration at this time: `message` says whose.
   kSingular,       ///< A singular pose of the driven mechanism (dead point): no accelerations or forces.
   kUndeterminedFriction,  ///< Friction depends on reactions that are not unique (dynamics/friction.h): no forces.
   kJammed,                ///< No friction agrees with the reactions that it causes: no forces.
@@ -63,6 +64,8 @@ class PrescribedMotion {
 
   const Equations& equations() const;  ///< At the last instant solved.
   const Selection& selection() const;  ///< Rows chosen among the constraints, and coordinates.
+  /// Ranks in doubt: at the start, and at the first singular pose met.
+  const std::vector<std::string>& notices() const;
 
  private:
   struct Impl;

@@ -214,6 +214,39 @@ TEST(InverseTest, ADeadPointIsReported) {
   EXPECT_NE(result.status, PrescribedStatus::kSolved);
 }
 
+// Laws that end somewhere: it is said whose, what is missing and when, and nothing waits for ever.
+TEST(InverseTest, ALawWithoutFiniteValuesIsNamedWithItsTime) {
+  struct Case {
+    const char* law;
+    double good, bad;
+    const char* what;
+  };
+  for (const Case& one : {Case{"log(t)", 0.5, 0, "value"}, Case{"sqrt(t)", 0.5, 0, "rate"},
+                          Case{"t^1.5", 0.5, 0, "acceleration"}, Case{"log(t+0.5)+sqrt(0.5-t)", 0.2, 0.7, "value"}}) {
+    SCOPED_TRACE(one.law);
+    ModelSpec spec;
+    spec.name = "slide";
+    spec.bodies = {box_body("block", {0, 0, 0}, {0.1, 0.1, 0.1}, 2)};
+    spec.joints = {joint(JointType::kPrismatic, "slide", "ground", "block", {0, 0, 0}, {1, 0, 0})};
+    spec.drives = {coordinate_drive("screw", "slide", one.law)};
+    Driven slide(spec);
+    slide.solve(one.good);
+    const PrescribedResult failed = slide.motion.solve(one.bad);
+    EXPECT_EQ(failed.status, PrescribedStatus::kUndefined);
+    const std::string wanted = std::string("the motion of drive 'screw' has no finite ") + one.what +
+                               " at t = " + (one.bad > 0 ? "0.7 s" : "0 s");
+    EXPECT_EQ(failed.message, wanted);
+  }
+}
+
+// A finite position further away than pieces of 0.1 can be counted ends as well.
+TEST(InverseTest, APositionBeyondAllPiecesIsNotReached) {
+  ModelSpec spec = make_driven_four_bar();
+  spec.drives[0].motion = {law("1e300")};
+  Driven bar(spec);
+  EXPECT_EQ(bar.motion.solve(0).status, PrescribedStatus::kNotReached);
+}
+
 // A drive on a distance pushes its two points apart: a mass hung on a slide is held by m g.
 TEST(InverseTest, DrivesOnDistancesAndPointsHoldAWeight) {
   ModelSpec spec;

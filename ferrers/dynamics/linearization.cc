@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ferrers/redundancy/rank_notice.h"
+
 namespace ferrers {
 namespace {
 
@@ -123,7 +125,9 @@ Linearization linearize(const DynamicsModel& model, const State& state) {
   }
   Equations eq = make_equations(model);
   compute_kinematics(model, state, eq);
-  out.selection = select_independent(system, scaling, eq.constraints);
+  RankDecision decision;
+  out.selection = select_independent(system, scaling, eq.constraints, &decision);
+  if (!decision.confident) out.notices.push_back(doubtful_rank_notice(state.t, decision));
   ReducedMotion motion(model, scaling, state, out.selection);
   out.coordinates = name_independent(system, out.selection, state.v);
   VectorXd z;

@@ -5,6 +5,8 @@
 
 #include "ferrers/kinematics/assembly.h"
 #include "ferrers/math/extrapolated_difference.h"
+#include "ferrers/math/maximum.h"
+#include "ferrers/math/rank_pivot.h"
 
 namespace ferrers {
 namespace {
@@ -51,6 +53,11 @@ void ReducedMotion::evaluate(const State& state) {
 bool ReducedMotion::accelerations(VectorXd& z) const {
   const Eigen::LLT<MatrixXd> llt(M_r_);
   if (llt.info() != Eigen::Success) return false;
+  for (int k = 0; k < w(); ++k) {
+    const int v = selection_.independent[k];
+    const double root = llt.matrixLLT()(k, k);
+    if (is_lost_pivot(root * root, eq_.M(v, v) + M_r_(k, k))) return false;
+  }
   z = llt.solve(f_r_);
   return z.allFinite();
 }
@@ -58,8 +65,7 @@ bool ReducedMotion::accelerations(VectorXd& z) const {
 double ReducedMotion::residual(bool all) const {
   double largest = 0;
   const auto add = [&](int row) {
-    const double value = std::abs(eq_.constraints.phi[row]) * scaling_.rows[row];
-    if (!(value <= largest)) largest = value;  // keeps a NaN
+    largest = max_keeping_nan(largest, std::abs(eq_.constraints.phi[row]) * scaling_.rows[row]);
   };
   if (all) {
     for (int row = 0; row < system_.m; ++row) add(row);

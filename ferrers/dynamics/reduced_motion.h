@@ -36,7 +36,7 @@ class ReducedMotion {
   const MatrixXd& M() const { return M_r_; }                                    ///< w × w.
   const VectorXd& force() const { return f_r_; }                                ///< w.
   MatrixXd B() const { return N_.transpose() * eq_.B_transposed.transpose(); }  ///< w × nu.
-  /// z = M_r⁻¹ f_r; false where M_r is not positive definite.
+  /// z = M_r⁻¹ f_r; false where M_r is not positive definite but for rounding.
   bool accelerations(VectorXd& z) const;
 
   /// The state at which the independent coordinates lie `ds` (w) from the base, dependent ones following by Newton's

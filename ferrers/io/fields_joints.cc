@@ -168,7 +168,9 @@ std::vector<ObjectFamily> make_joint_families() {
           "A revolute or spherical joint needs the `radius`; a cylindrical or planar one without it slides with "
           "friction and turns without; point_on_line and point_on_plane do not use it.",
           {field("viscous", K::kNumber, kOfCoordinateDamping,
-                 "Effort per speed, on every angle and displacement of the joint; no effect on other freedoms", "0"),
+                 "Effort per speed, for each coordinate; without coordinates: moment per relative angular velocity, "
+                 "force per sliding velocity (not in distance and gear_mesh)",
+                 "0"),
            field("coulomb", K::kNumber, kOfPureNumber,
                  "Dry friction: this times the force that presses the joint's parts together", "0"),
            field("radius", K::kNumber, kOfLength,

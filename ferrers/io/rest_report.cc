@@ -70,7 +70,7 @@ OrderedJson drive_values(const DynamicsModel& model, const VectorXd& u, const Ho
     OrderedJson value;
     value["drive"] = model.drives[k].name;
     value["effort"] = u[i];
-    value["unit"] = effort_unit(model, model.drives[k]);
+    value["unit"] = effort_unit(model.drives[k]);
     value["holds"] = holding != nullptr && holding->holds[k];
     value["unique"] = holding == nullptr || holding->unique[k];
     all.push_back(std::move(value));
@@ -123,6 +123,7 @@ void add_holding(const RestDocument& document, OrderedJson& out) {
   out["drives"] = drive_values(*document.dynamics, held.u, &held);
   out["free_motions"] = held.free_motion_names;
   out["residual_N"] = held.residual_N;
+  out["notices"] = held.notices;
 }
 
 void finish(const std::string& model, const Diagnostics* diagnostics, bool done, OrderedJson& out) {
@@ -191,7 +192,7 @@ void add_linearization(const Linearization& linear, const DynamicsModel& model, 
   out["coordinates"] = coordinate_values(linear.coordinates, false);
   OrderedJson inputs = OrderedJson::array();
   for (const DriveComponent& drive : model.drives) {
-    inputs.push_back({{"drive", drive.name}, {"unit", effort_unit(model, drive)}});
+    inputs.push_back({{"drive", drive.name}, {"unit", effort_unit(drive)}});
   }
   out["inputs"] = std::move(inputs);
   out["A"] = matrix_value(linear.A);

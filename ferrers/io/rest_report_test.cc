@@ -33,8 +33,7 @@ TEST(RestReportTest, WhatIsNotKnownIsNull) {
 TEST(RestReportTest, AnEquilibriumIsToldWithItsReactions) {
   const witness::EngineProbe probe(witness::make_door(2));
   const EquilibriumResult rest = solve_equilibrium(*probe.dynamics, probe.start());
-  const auto reactions =
-      compute_rest_reactions(probe.dynamics, rest.state, rest.selection, rest.lambda, rest.u, ReactionAxes::kWorld, {});
+  const auto reactions = compute_rest_reactions(probe.dynamics, rest, ReactionAxes::kWorld, {});
   RestDocument document;
   document.model = "door";
   document.dynamics = probe.dynamics.get();

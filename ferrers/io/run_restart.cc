@@ -2,13 +2,16 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <vector>
 
 #include "ferrers/kinematics/coordinates.h"
+#include "ferrers/kinematics/floating_bodies.h"
 
 namespace ferrers {
 namespace {
@@ -55,6 +58,7 @@ class Reader {
     state_.t = value("t");
     const auto& joints = system_.model->joints();
     for (std::size_t j = 0; j < joints.size(); ++j) take(JointId(j), joints[j]);
+    for (const FloatingBody& body : find_floating_bodies(system_)) take_floating(body);
     if (!missing_.empty()) return fmt::format("there is no column '{}' with a number in its last row", missing_);
     PositionKinematics pos = make_position_kinematics(system_);
     VelocityKinematics vel = make_velocity_kinematics(system_);
@@ -104,10 +108,19 @@ class Reader {
     }
     const int n = system_.topology->node_of_joint[id.index()];
     if (n < 0) return;
-    const Node& node = system_.nodes[static_cast<std::size_t>(n)];
-    for (int i = 0; i < node.nq; ++i) state_.q[node.q + i] = value(position_column(joint, i));
+    take_node(system_.nodes[static_cast<std::size_t>(n)], joint.name);
+  }
+
+  void take_floating(const FloatingBody& body) {
+    take_node(system_.nodes[static_cast<std::size_t>(body.node)], body.name);
+  }
+
+  void take_node(const Node& node, const std::string& owner) {
+    for (int i = 0; i < node.nq; ++i) {
+      state_.q[node.q + i] = value(owner + "." + std::string(node.type->position_names[i]));
+    }
     for (int i = 0; i < node.nv; ++i) {
-      state_.v[node.v + i] = value(joint.name + "." + std::string(type.coordinates[i].name) + ".velocity");
+      state_.v[node.v + i] = value(owner + "." + std::string(node.type->coordinates[i].name) + ".velocity");
     }
   }
 
@@ -116,6 +129,52 @@ class Reader {
   State state_;
   std::string missing_;
 };
+
+bool has_switches(const Model& model) {
+  return std::any_of(model.events().begin(), model.events().end(),
+                     [](const Event& event) { return event.action == EventSpec::Action::kSwitch; });
+}
+
+// What `summary.json` tells beside the state. False: there is none that belongs to the last row.
+bool read_switches(const std::filesystem::path& file, double t, RestartResult& result) {
+  std::ifstream in(file);
+  const nlohmann::json summary = nlohmann::json::parse(in, nullptr, false);
+  if (!summary.is_object() || summary.value("t_reached", nlohmann::json()) != t) return false;
+  const nlohmann::json off = summary.value("drives_off", nlohmann::json());
+  if (!off.is_array()) return false;
+  for (const nlohmann::json& name : off) {
+    if (!name.is_string()) return false;
+    result.drives_off.push_back(name.get<std::string>());
+  }
+  for (const nlohmann::json& event : summary.value("events", nlohmann::json::array())) {
+    if (!event.is_object() || event.value("t", nlohmann::json()) != t) continue;
+    const nlohmann::json name = event.value("event", nlohmann::json());
+    if (name.is_string()) result.events_acted.push_back(name.get<std::string>());
+  }
+  return true;
+}
+
+// Which drives are on where the state is: only events of the model change that.
+std::string read_drives(const Model& model, const std::filesystem::path& folder, RestartResult& result) {
+  if (model.events().empty()) return "";
+  const std::filesystem::path file = folder / "summary.json";
+  const bool told = read_switches(file, result.state->t, result);
+  if (!told && has_switches(model)) {
+    return fmt::format(
+        "'{}' does not tell which drives events had switched off at t = {:g} s (a killed run leaves no summary): run "
+        "it again from the start, or go on with a model without 'switch' events",
+        file.string(), result.state->t);
+  }
+  for (const std::string& name : result.drives_off) {
+    const auto& drives = model.drives();
+    if (std::any_of(drives.begin(), drives.end(), [&](const Drive& drive) { return drive.name == name; })) continue;
+    return fmt::format(
+        "'{}' has a drive '{}' switched off, which the model does not have: the run was made with "
+        "another model",
+        file.string(), name);
+  }
+  return "";
+}
 
 }  // namespace
 
@@ -127,11 +186,13 @@ RestartResult read_restart(const System& system, const std::filesystem::path& fo
   if (!result.error.empty()) return result;
   Reader reader(system, row);
   result.error = reader.read();
-  if (result.error.empty()) {
-    result.state = reader.state();
-  } else {
+  if (!result.error.empty()) {
     result.error = fmt::format("'{}': {}", file.string(), result.error);
+    return result;
   }
+  result.state = reader.state();
+  result.error = read_drives(*system.model, folder, result);
+  if (!result.error.empty()) result.state.reset();
   return result;
 }
 

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "ferrers/core/checks.h"
+#include "ferrers/dynamics/holding.h"
 #include "ferrers/io/json_values.h"
 #include "ferrers/io/run_folder.h"
 
@@ -89,13 +90,6 @@ OrderedJson distribution_value(const DistributionSummary& distribution) {
   return value;
 }
 
-std::string effort_unit(const DynamicsModel& model, const DriveComponent& drive) {
-  if (drive.kind != Drive::Kind::kCoordinate) return "N";
-  const Joint& joint = model.system->model->joint(drive.coordinate.joint);
-  const CoordinateKind kind = joint_type_info(joint.type).coordinates[drive.coordinate.index].kind;
-  return kind == CoordinateKind::kAngle || kind == CoordinateKind::kRotationRate ? "N·m" : "N";
-}
-
 OrderedJson vector_value(const Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
 OrderedJson balance_value(const RunSummary& summary) {
@@ -176,6 +170,7 @@ void add_summary(const RunDocument& document, OrderedJson& out) {
   out["momentum"] = momentum_value(summary.momentum);
   out["error_estimate"] = value_or_null(summary.error_estimate);
   out["events"] = event_values(summary);
+  out["drives_off"] = summary.drives_off;
   out["joint_limits"] = limit_values(summary);
   OrderedJson decisions = OrderedJson::array();
   for (const DecisionRecord& decision : summary.decisions) decisions.push_back(decision_value(decision));
@@ -206,7 +201,7 @@ DrivePeaks::DrivePeaks(const DynamicsModel& model) {
     const auto found = std::find(columns.begin(), columns.end(), drive.name + ".effort");
     require(found != columns.end(), "DrivePeaks: a drive without a column");
     columns_.push_back(static_cast<std::size_t>(found - columns.begin()));
-    peaks_.push_back({drive.name, effort_unit(model, drive), std::nullopt, 0});
+    peaks_.push_back({drive.name, std::string(effort_unit(drive)), std::nullopt, 0});
   }
 }
 
@@ -275,6 +270,7 @@ std::string write_summary_json(const RunDocument& document) {
                             "momentum",
                             "error_estimate",
                             "events",
+                            "drives_off",
                             "joint_limits",
                             "decisions",
                             "singular_poses",

@@ -77,7 +77,8 @@ RC_GTEST_PROP(ExpressionDerivativeTest, DerivativesAgreeWithDifferences, ()) {
   const Difference closer = central_difference(e, x, y, 3.1e-6);
   RC_PRE(std::isfinite(value) && std::abs(value) < 1e4 && std::isfinite(numeric.value) && std::isfinite(exact));
   RC_PRE(numeric.error < 1e-4 * (1 + std::abs(numeric.value)));
-  RC_PRE(std::abs(closer.value - numeric.value) < 1e-3 * (1 + std::abs(numeric.value)) + 1e-10 * std::abs(value) / 1e-6);
+  RC_PRE(std::abs(closer.value - numeric.value) <
+         1e-3 * (1 + std::abs(numeric.value)) + 1e-10 * std::abs(value) / 1e-6);
   RC_CLASSIFY(numeric.value != 0, "depends on x");
   RC_LOG() << text << " at x = " << x << ", y = " << y << ": exact " << exact << ", difference " << numeric.value;
   const double tolerance = 1e-6 * (1 + std::abs(numeric.value)) + 10 * numeric.error + 1e-10 * std::abs(value) / 1e-4;

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ferrers/math/rank_pivot.h"
+
 namespace ferrers {
 namespace {
 
@@ -107,6 +109,8 @@ bool is_surely_zero(double value, double blur) { return std::abs(value) <= 0.1 *
 bool is_healthy_pivot(double value, int round) { return std::abs(value) >= kHealthyPivot[round]; }
 
 bool is_worn_pivot(double pivot, double healthy) { return !(std::abs(pivot) > kWornPivot * std::abs(healthy)); }
+
+bool is_lost_pivot(double pivot, double diagonal) { return !(pivot > 0.1 * kSurelyZero * diagonal); }
 
 RankAnalysis analyze_rank(const Eigen::MatrixXd& A, double scale, double blur) {
   const int m = static_cast<int>(A.rows()), n = static_cast<int>(A.cols());

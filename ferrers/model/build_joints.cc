@@ -244,6 +244,15 @@ Friction ModelAssembler::friction(const FrictionSpec& spec, const Joint& joint, 
   }
   Friction friction;
   if (spec.viscous) friction.viscous = number_at_least_zero(*spec.viscous, viscous, {"viscous", owner});
+  const bool slides_unknown = info.placement == PlacementRule::kTwoPoints || info.placement == PlacementRule::kMesh;
+  if (friction.viscous > 0 && slides_unknown) {
+    diagnostics_.error(
+        "F335", place_of(*spec.viscous, {"viscous", owner}),
+        fmt::format("'{}' cannot have viscous friction: where the parts of a {} joint slide is not known", owner.name,
+                    info.name),
+        "a 'spring' between two points with 'damping' alone damps their distance; 'joint_damping' and "
+        "'friction' damp the joints that carry the bodies");
+  }
   if (spec.coulomb) friction.coulomb = number_at_least_zero(*spec.coulomb, kPureNumber, {"coulomb", owner});
   if (spec.radius) friction.radius_m = number_at_least_zero(*spec.radius, kLength, {"radius", owner});
   return friction;

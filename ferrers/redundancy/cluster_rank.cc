@@ -34,7 +34,7 @@ std::vector<int> places(const std::vector<int>& sorted, std::vector<int> values)
 }
 
 ClusterRank analyze_cluster(const System& system, const Scaling& scaling, const ConstraintBlocks& blocks,
-                            const Cluster& cluster, double blur) {
+                            const Cluster& cluster, double blur, int largest_dense) {
   std::vector<int> rows, columns;
   list_indices(system, cluster, rows, columns);
   std::vector<RowBlock> parts;
@@ -47,7 +47,7 @@ ClusterRank analyze_cluster(const System& system, const Scaling& scaling, const 
   }
   const int n = static_cast<int>(columns.size());
   ClusterRank out{std::move(rows), std::move(columns), SparseRank(n, std::move(parts), blur), true, {}, {}, 0};
-  out.dense = std::min<std::size_t>(out.rows.size(), out.columns.size()) <= kLargestDense;
+  out.dense = std::min<std::size_t>(out.rows.size(), out.columns.size()) <= static_cast<std::size_t>(largest_dense);
   if (out.dense) {
     out.G = make_cluster_block(system, scaling, blocks, cluster).G;
     out.values = compute_singular_values(out.G);
@@ -78,11 +78,11 @@ ClusterBlock make_cluster_block(const System& system, const Scaling& scaling, co
 }
 
 ClusterDecision decide_clusters(const System& system, const Scaling& scaling, const ConstraintBlocks& blocks,
-                                double blur) {
+                                double blur, int largest_dense) {
   ClusterDecision out;
   std::vector<double> all;
   for (const Cluster& cluster : system.topology->clusters) {
-    out.clusters.push_back(analyze_cluster(system, scaling, blocks, cluster, blur));
+    out.clusters.push_back(analyze_cluster(system, scaling, blocks, cluster, blur, largest_dense));
     const ClusterRank& c = out.clusters.back();
     all.insert(all.end(), c.values.data(), c.values.data() + c.values.size());
     out.exact = out.exact && c.dense;

@@ -15,6 +15,9 @@
 namespace ferrers {
 
 constexpr int kLargestDense = 128;
+/// Where only the rank is wanted, and soon: the largest cluster whose singular values are found faster than it is
+/// eliminated.
+constexpr int kLargestDenseInMotion = 16;
 
 struct ClusterRank {
   std::vector<int> rows, columns;  ///< Of G, ascending.
@@ -32,7 +35,7 @@ struct ClusterDecision {
 };
 
 ClusterDecision decide_clusters(const System& system, const Scaling& scaling, const ConstraintBlocks& blocks,
-                                double blur = 0);
+                                double blur = 0, int largest_dense = kLargestDense);
 
 /// The scaled Jacobian of one cluster, dense, and its rows and columns.
 struct ClusterBlock {

@@ -146,7 +146,7 @@ Selection select_rows_and_coordinates(const System& system, const ClusterDecisio
 Selection select_independent(const System& system, const Scaling& scaling, const ConstraintKinematics& constraints,
                              RankDecision* decision) {
   const ConstraintBlocks blocks = cut_into_blocks(system, constraints);
-  const ClusterDecision clusters = decide_clusters(system, scaling, blocks);
+  const ClusterDecision clusters = decide_clusters(system, scaling, blocks, 0, kLargestDenseInMotion);
   if (decision) *decision = clusters.decision;
   Selection out;
   std::vector<bool> is_dependent(system.nv, false);

@@ -18,15 +18,16 @@ bool same_time(double a, double b) { return std::abs(a - b) <= 1e-13 * std::max(
 std::vector<double> position_scales(const DynamicsModel& model) {
   const double length = characteristic_length(*model.system->model);
   std::vector<double> scales = {0.0};
-  for (const Joint& joint : model.system->model->joints()) {
-    const JointTypeInfo& type = joint_type_info(joint.type);
+  const auto add = [&](const JointTypeInfo& type) {
     for (int i = 0; i < type.nq; ++i) {
       const bool number = type.quaternion_at >= 0 && i >= type.quaternion_at;
       const bool angle = number || (i < type.nv && type.coordinates[i].kind == CoordinateKind::kAngle);
       scales.push_back(angle ? 1 : 1 / length);
     }
     scales.insert(scales.end(), static_cast<std::size_t>(2 * type.nv), 0.0);
-  }
+  };
+  for (const Joint& joint : model.system->model->joints()) add(joint_type_info(joint.type));
+  for (std::size_t i = 0; i < find_floating_bodies(*model.system).size(); ++i) add(kFreeJoint);
   return scales;
 }
 

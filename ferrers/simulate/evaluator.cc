@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ferrers/redundancy/rank_notice.h"
 #include "ferrers/redundancy/selection.h"
+#include "ferrers/simulate/prescribed_laws.h"
 
 namespace ferrers {
 
@@ -15,13 +17,7 @@ VectorXd make_row_scale(const DynamicsModel& model, const Scaling& scaling, cons
   out.head(scaling.rows.size()) = scaling.rows;
   for (std::size_t i = 0; i < driven.size(); ++i) {
     const DriveComponent& drive = model.drives[driven[i]];
-    double scale = 1;
-    if (drive.kind == Drive::Kind::kCoordinate) {
-      const JointType type = model.system->model->joint(drive.coordinate.joint).type;
-      const CoordinateKind kind = joint_type_info(type).coordinates[drive.coordinate.index].kind;
-      if (kind == CoordinateKind::kAngle || kind == CoordinateKind::kRotationRate) scale = scaling.length_m;
-    }
-    out[scaling.rows.size() + static_cast<long>(i)] = scale;
+    out[scaling.rows.size() + static_cast<long>(i)] = drive.rotary ? scaling.length_m : 1;
   }
   return out;
 }
@@ -57,17 +53,20 @@ void Evaluator::use(Selection joints) {
   selection_ = joint_selection_;
   driven_conflict_.clear();
   implied_drives_.clear();
+  implied_rows_.clear();
   if (!eq_.driven.empty()) {
     const long k = static_cast<long>(eq_.driven.size());
     ExtendedSelection extended =
         extend_selection(joint_selection_, eq_.constraints.G, system().m, row_scale_.tail(k), scaling_.columns);
     selection_ = std::move(extended.selection);
+    implied_rows_ = extended.implied;
     for (const int row : extended.implied) implied_drives_.push_back(eq_.driven[row]);
     for (const int row : extended.conflicting) {
       driven_conflict_ += (driven_conflict_.empty() ? "" : ", ") + model_->drives[eq_.driven[row]].name;
     }
   }
   solver_ = make_forward_solver(formulation_, system(), selection_);
+  latest_ = before_latest_ = Watched();  // other pivots
   result_.lambda.setZero();
   correction_.lambda.setZero();
   pivot_known_ = false;
@@ -89,9 +88,8 @@ void Evaluator::decide(const State& state, const std::string& reason, RunSummary
   compute_kinematics(*model_, state, eq_);
   RankDecision decision;
   use(select_independent(system(), scaling_, eq_.constraints, &decision));
-  if (!decision.confident) {
-    summary.notices.push_back("the rank at t = " + std::to_string(state.t) + " s is in doubt: " +
-                              std::to_string(decision.rank) + " or " + std::to_string(decision.other_rank));
+  if (std::string doubt = doubtful_rank_notice(state.t, decision); !doubt.empty()) {
+    summary.notices.push_back(std::move(doubt));
   }
   record(state.t, reason, summary);
 }
@@ -114,6 +112,11 @@ ForwardStatus Evaluator::choose_again(const State& state, RunSummary& summary) {
 ForwardStatus Evaluator::evaluate(const State& state) {
   ++evaluations_;
   compute_equations(*model_, state, eq_);
+  if (std::string problem = find_law_without_value(*model_, eq_, state.t); !problem.empty()) {
+    note_motion_problem(state.t, std::move(problem));
+    return ForwardStatus::kWornSelection;
+  }
+  if (state.t >= motion_problem_t_) motion_problem_.clear();
   for (std::size_t i = 0; i < off_.size(); ++i) {
     if (!off_[i]) continue;
     eq_.force -= eq_.u[static_cast<long>(i)] * eq_.B_transposed.row(static_cast<long>(i)).transpose();
@@ -130,13 +133,48 @@ ForwardStatus Evaluator::evaluate(const State& state) {
   if (!pivot_known_) healthy_pivot_ = pivot;
   pivot_known_ = true;
   best_pivot_ = std::max(best_pivot_, pivot);
-  smallest_pivot_ = std::min(smallest_pivot_, pivot);
+  watch(state.t, pivot);
   return result_.status;
+}
+
+void Evaluator::reset_watch() {
+  smallest_pivot_ = std::numeric_limits<double>::infinity();
+  latest_ = before_latest_ = Watched();
+}
+
+// The stages of a step come in any order, some at the same time.
+void Evaluator::watch(double t, double pivot) {
+  smallest_pivot_ = std::min(smallest_pivot_, pivot);
+  if (!std::isfinite(latest_.t)) watch_start_ = t;
+  const double same = 1e-3 * (latest_.t - watch_start_);
+  if (std::abs(t - latest_.t) <= same) {
+    latest_ = {t, pivot};
+  } else if (t > latest_.t) {
+    before_latest_ = latest_;
+    latest_ = {t, pivot};
+  } else if (t > before_latest_.t) {
+    before_latest_ = {t, pivot};
+  }
 }
 
 double Evaluator::longest_followed_turn() const {
   constexpr double kFarthest = 2;  // rad; from π on the count is lost
   return kFarthest / fastest_turn(system(), eq_.pos, eq_.vel);
+}
+
+// The earliest one ahead is kept: a step that met it is tried again, shorter.
+void Evaluator::note_motion_problem(double t, std::string problem) {
+  if (!motion_problem_.empty() && motion_problem_t_ <= t) return;
+  motion_problem_ = std::move(problem);
+  motion_problem_t_ = t;
+}
+
+// Whether drives that have no say in the motion prescribe what it is; at a state on the constraints.
+bool Evaluator::laws_agree(double t) {
+  std::string problem = find_law_against_constraints(*model_, scaling_, eq_, implied_rows_, result_.vdot, t);
+  if (problem.empty()) return true;
+  note_motion_problem(t, std::move(problem));
+  return false;
 }
 
 double Evaluator::rounding_of_positions() const {
@@ -170,7 +208,7 @@ double Evaluator::settle(State& state, const VectorXd* offset) {
     if (!std::isfinite(gap) || !std::isfinite(rate_gap)) return INFINITY;
     const bool closed = gap <= rounding_of_positions() || (i > 1 && gap > 0.5 * before);
     const bool calm = rate_gap <= rounding_of_velocities() || (i > 1 && closed && rate_gap > 0.5 * rate_before);
-    if (closed && calm) break;
+    if (closed && calm) return offset != nullptr || laws_agree(state.t) ? gap : INFINITY;
     before = gap;
     rate_before = rate_gap;
     if (!calm) {
@@ -227,6 +265,7 @@ Work Evaluator::power(const State& state) const {
 }
 
 const VectorXd& Evaluator::efforts() {
+  if (!implied_rows_.empty()) compute_idle_drives(system(), joint_selection_, implied_rows_, eq_);
   efforts_ = eq_.u;
   for (std::size_t i = 0; i < eq_.driven.size(); ++i) {
     efforts_[eq_.driven[i]] = result_.lambda[system().m + static_cast<long>(i)];

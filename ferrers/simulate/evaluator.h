@@ -62,10 +62,19 @@ class Evaluator {
   double residual_at_step() const { return residual_; }
   double pivot() const { return solver_->smallest_pivot(); }  ///< At the last evaluation.
   double best_pivot() const { return best_pivot_; }
-  void reset_watch() { smallest_pivot_ = std::numeric_limits<double>::infinity(); }
+  void reset_watch();
+  /// An evaluation since `reset_watch` a little before the latest in time: how the pivot goes.
+  struct Watched {
+    double t = -std::numeric_limits<double>::infinity();
+    double pivot = 0;
+  };
+  const Watched& a_little_before() const { return before_latest_; }
   double left_out_residual() const;  ///< Largest scaled residual of all rows at the last evaluation, m.
   /// Why dry friction let the last evaluation fail; empty: it did not.
   const std::string& friction_problem() const { return friction_problem_; }
+  /// What is wrong with a prescribed motion where the last evaluation failed, or ahead of it: a law without a finite
+  /// value, or against the constraints; empty: nothing.
+  const std::string& motion_problem() const { return motion_problem_; }
   /// What keeps the prescribed motions from determining their coordinates; empty: nothing. Known after `decide`.
   const std::string& driven_conflict() const { return driven_conflict_; }
 
@@ -78,7 +87,8 @@ class Evaluator {
   const std::vector<int>& implied_drives() const { return implied_drives_; }
   const Selection& selection() const { return selection_; }              ///< Of all rows, driven ones too.
   const Selection& joint_selection() const { return joint_selection_; }  ///< Of the system's own rows.
-  /// Efforts of all drives, nu: laws, and what the prescribed ones turned out to need.
+  /// Efforts of all drives, nu: laws, and what the prescribed ones turned out to need. Brings what `equations()` tells
+  /// about idle efforts up to date.
   const VectorXd& efforts();
   const Equations& equations() const { return eq_; }
   const ForwardResult& result() const { return result_; }
@@ -87,7 +97,10 @@ class Evaluator {
  private:
   void use(Selection joints);
   double rounding_of_velocities() const;
+  void note_motion_problem(double t, std::string problem);
+  bool laws_agree(double t);
   void record(double t, const std::string& reason, RunSummary& summary) const;
+  void watch(double t, double pivot);
 
   std::shared_ptr<const DynamicsModel> model_;
   Formulation formulation_;
@@ -98,15 +111,18 @@ class Evaluator {
   std::unique_ptr<ForwardSolver> solver_;
   PositionKinematics energy_pos_;
   VelocityKinematics energy_vel_;
-  VectorXd row_scale_;  ///< Of all rows.
-  std::vector<int> implied_drives_;
-  std::vector<bool> off_;  ///< Per drive component; empty: all act.
+  VectorXd row_scale_;                              ///< Of all rows.
+  std::vector<int> implied_drives_, implied_rows_;  ///< The same drives; their places in `eq_.driven`.
+  std::vector<bool> off_;                           ///< Per drive component; empty: all act.
   VectorXd no_force_, residual_rhs_, efforts_;
   ForwardResult correction_;
-  std::string driven_conflict_, friction_problem_;
+  std::string driven_conflict_, friction_problem_, motion_problem_;
+  double motion_problem_t_ = 0;
   FrictionSolver friction_;
   double healthy_pivot_ = 0, best_pivot_ = 0;  ///< When rows and coordinates were chosen; the largest of those.
   double smallest_pivot_ = std::numeric_limits<double>::infinity();
+  double watch_start_ = 0;
+  Watched latest_, before_latest_;
   bool pivot_known_ = false, settles_stages_ = false;
   double residual_ = 0;
   long evaluations_ = 0;

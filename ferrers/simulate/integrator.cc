@@ -36,6 +36,10 @@ std::vector<std::string> integrator_names() {
   return names;
 }
 
+Integrator integrator_of(const SimulationOptions& options) {
+  return options.integrator.value_or(kIntegrators.front().first);
+}
+
 std::unique_ptr<Stepper> make_stepper(Integrator integrator, const Evaluator& evaluator, bool fixed) {
   switch (integrator) {
     case Integrator::kDormandPrince8:

@@ -26,6 +26,7 @@ RunStatus run_status(PrescribedStatus status) {
       return RunStatus::kFinished;
     case PrescribedStatus::kUndriven:
     case PrescribedStatus::kContradictory:
+    case PrescribedStatus::kUndefined:
       return RunStatus::kBadMotion;
     case PrescribedStatus::kNotReached:
     case PrescribedStatus::kSingular:
@@ -85,6 +86,11 @@ class PrescribedRun {
     if (assembly.status != AssemblyStatus::kAssembled) return fail(RunStatus::kNotAssembled, assembly.message);
     PrescribedMotion motion(model_, assembly.state, options_.distribution);
     summary_.decisions.push_back(describe(*model_->system, motion.selection()));
+    follow(motion);
+    summary_.notices.insert(summary_.notices.begin(), motion.notices().begin(), motion.notices().end());
+  }
+
+  void follow(PrescribedMotion& motion) {
     PrescribedResult result = motion.check();
     if (result.status != PrescribedStatus::kSolved) return fail(run_status(result.status), result.message);
     shared_.assign(result.effort_is_shared.size(), false);

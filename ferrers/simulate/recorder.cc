@@ -12,6 +12,7 @@ Recorder::Recorder(std::shared_ptr<const DynamicsModel> model, ReactionAxes axes
       axes_(axes),
       reactions_(model_, distribution),
       scaling_(make_scaling(*model_->system)),
+      floating_(find_floating_bodies(*model_->system)),
       accelerations_(make_velocity_kinematics(*model_->system)) {
   const System& system = *model_->system;
   columns_.emplace_back("t");
@@ -21,6 +22,14 @@ Recorder::Recorder(std::shared_ptr<const DynamicsModel> model, ReactionAxes axes
     for (const std::string suffix : {".velocity", ".acceleration"}) {
       for (int i = 0; i < type.nv; ++i)
         columns_.push_back(joint.name + "." + std::string(type.coordinates[i].name) + suffix);
+    }
+  }
+  for (const FloatingBody& body : floating_) {
+    for (const std::string_view name : kFreeJoint.position_names)
+      columns_.push_back(body.name + "." + std::string(name));
+    for (const std::string suffix : {".velocity", ".acceleration"}) {
+      for (const CoordinateInfo& info : kFreeJoint.coordinates)
+        columns_.push_back(body.name + "." + std::string(info.name) + suffix);
     }
   }
   for (const DriveComponent& drive : model_->drives) columns_.push_back(drive.name + ".effort");
@@ -56,6 +65,12 @@ const RunSample& Recorder::record(const State& state, const Equations& eq, const
     out = std::copy_n(motion.q, type.nq, out);
     out = std::copy_n(motion.v, type.nv, out);
     out = std::copy_n(motion.vdot, type.nv, out);
+  }
+  for (const FloatingBody& body : floating_) {
+    const Node& node = system.nodes[static_cast<std::size_t>(body.node)];
+    out = std::copy_n(state.q.data() + node.q, node.nq, out);
+    out = std::copy_n(state.v.data() + node.v, node.nv, out);
+    out = std::copy_n(vdot.data() + node.v, node.nv, out);
   }
   for (int i = 0; i < model_->nu(); ++i) *out++ = u[i];
   for (const NodePoint& point : points_) {

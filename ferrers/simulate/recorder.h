@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "ferrers/dynamics/reactions.h"
+#include "ferrers/kinematics/floating_bodies.h"
 
 namespace ferrers {
 
@@ -43,7 +44,8 @@ class Recorder {
   explicit Recorder(std::shared_ptr<const DynamicsModel> model, ReactionAxes axes = ReactionAxes::kWorld,
                     const DistributionOptions& distribution = {});
 
-  /// "t"; per joint coordinate JOINT.COORDINATE, .velocity, .acceleration; DRIVE.effort; POINT.x .y .z; "energy".
+  /// "t"; per joint coordinate JOINT.COORDINATE, .velocity, .acceleration, and the same of a free joint for each body
+  /// that floats without one (kinematics/floating_bodies.h); DRIVE.effort; POINT.x .y .z; "energy".
   const std::vector<std::string>& columns() const { return columns_; }
   const DynamicsModel& model() const { return *model_; }
 
@@ -62,6 +64,7 @@ class Recorder {
   ReactionAxes axes_;
   ReactionSolver reactions_;
   Scaling scaling_;
+  std::vector<FloatingBody> floating_;
   std::vector<std::string> columns_;
   std::vector<NodePoint> points_;
   VelocityKinematics accelerations_;

@@ -17,7 +17,7 @@ namespace {
 double local_tolerance(const SimulationOptions& options) {
   constexpr double kLoosest = 3e-7;
   const double tolerance = options.tolerance.value_or(kDefaultTolerance);
-  switch (options.integrator.value_or(Integrator::kDormandPrince8)) {
+  switch (integrator_of(options)) {
     case Integrator::kGeneralizedAlpha:
       return 0.05 * tolerance;
     case Integrator::kDormandPrince5:
@@ -50,7 +50,7 @@ Run::Run(std::shared_ptr<const DynamicsModel> model, const SimulationOptions& op
     : model_(std::move(model)),
       options_(options),
       control_(control),
-      formulation_(options.formulation.value_or(recommended_formulation(*model_->system))),
+      formulation_(options.formulation.value_or(recommended_formulation())),
       evaluator_(model_, formulation_, options.driven ? drives_with_motion(*model_) : std::vector<int>(),
                  options.distribution),
       recorder_(model_, options.axes, options.distribution),
@@ -58,7 +58,14 @@ Run::Run(std::shared_ptr<const DynamicsModel> model, const SimulationOptions& op
       limits_(model_),
       control_steps_(local_tolerance(options), std::max(options.grid.t_end, options.grid.every), looser),
       driven_(evaluator_.equations().driven),
-      off_(model_->drives.size(), false) {}
+      off_(model_->drives.size(), false) {
+  for (int i = 0; i < model_->nu(); ++i) {
+    const std::string& name = system().model->drives()[model_->drives[i].drive.index()].name;
+    const auto& off = options.drives_off;
+    off_[static_cast<std::size_t>(i)] = std::find(off.begin(), off.end(), name) != off.end();
+  }
+  if (!options.drives_off.empty()) use_switches();
+}
 
 RunSummary Run::go() {
   const auto begin = std::chrono::steady_clock::now();
@@ -93,6 +100,7 @@ void Run::conclude() {
       summary_.notices.push_back(std::move(notice));
     }
   }
+  summary_.drives_off = drives_off();
   work_.others += elastic_ - elastic_start_;
   summary_.work = work_;
   summary_.balance_error = summary_.energy_end - summary_.energy_start - work_.drives - work_.others;
@@ -137,10 +145,15 @@ bool Run::start() {
     for (const int i : evaluator_.implied_drives()) summary_.effort_is_shared[static_cast<std::size_t>(i)] = true;
   }
   choose_method();
-  if (!driven_.empty() && !put_on_laws()) return false;
+  if (!evaluator_.equations().driven.empty() && !put_on_laws()) return false;
   if (!solved(evaluator_.evaluate(state_))) return false;
   if (!std::isfinite(evaluator_.settle(state_))) return stuck();
   events_.start(state_);
+  for (std::size_t i = 0; i < system().model->events().size(); ++i) {
+    const auto& acted = options_.events_acted;
+    const std::string& name = system().model->events()[i].name;
+    if (std::find(acted.begin(), acted.end(), name) != acted.end()) events_.acted(static_cast<int>(i));
+  }
   if (!emit_here()) return false;
   summary_.energy_start = summary_.energy_min = summary_.energy_max = energy_;
   elastic_start_ = elastic_;
@@ -148,25 +161,40 @@ bool Run::start() {
 }
 
 void Run::choose_method() {
-  const Integrator integrator = options_.integrator.value_or(Integrator::kDormandPrince8);
+  const Integrator integrator = integrator_of(options_);
   stepper_ = make_stepper(integrator, evaluator_, options_.step.has_value());
   adaptive_ = !options_.step && stepper_->error_order() > 0;
   summary_.method = std::string(to_string(integrator));
   if (adaptive_) {
     summary_.method += fmt::format(", tolerance {:g}", options_.tolerance.value_or(kDefaultTolerance));
   } else {
-    step_ = options_.step.value_or(options_.grid.every / 10);
+    step_ = std::min(options_.step.value_or(options_.grid.every / 10), options_.grid.every);
     summary_.method += fmt::format(", fixed step {:g} s", step_);
+    if (options_.tolerance) {
+      summary_.notices.push_back(fmt::format("steps are fixed: the tolerance {:g} says nothing", *options_.tolerance));
+    }
+    if (options_.step && *options_.step > step_) {
+      summary_.notices.push_back(fmt::format("no step is longer than the spacing of the rows, {:g} s", step_));
+    }
   }
   summary_.method += ", " + std::string(to_string(formulation_));
 }
 
 // Prescribed coordinates start where their laws do: walked to in small pieces, then velocities follow.
 bool Run::put_on_laws() {
-  const auto k = static_cast<long>(driven_.size());
-  evaluator_.evaluate(state_);
+  const auto k = static_cast<long>(evaluator_.equations().driven.size());
+  if (!solved(evaluator_.evaluate(state_))) return false;
   const VectorXd gap = evaluator_.equations().constraints.phi.tail(k);
   const double size = gap.cwiseProduct(evaluator_.row_scale().tail(k)).lpNorm<Eigen::Infinity>();
+  const auto& given = system().model->initial();
+  const bool exact =
+      std::any_of(given.begin(), given.end(), [](const InitialValue& i) { return !i.guess && !i.position.empty(); });
+  if (exact && size > 1e-6 * evaluator_.scaling().length_m) {
+    summary_.notices.push_back(fmt::format(
+        "the prescribed motions begin elsewhere than the model's initial pose (by {:.4g} m, angles times the "
+        "characteristic length): the run starts where they begin",
+        size));
+  }
   const long pieces = std::lround(std::ceil(size / (0.1 * evaluator_.scaling().length_m)));
   VectorXd offset = VectorXd::Zero(evaluator_.row_scale().size());
   for (long i = 1; i <= pieces; ++i) {
@@ -182,6 +210,7 @@ bool Run::put_on_laws() {
 
 bool Run::solved(ForwardStatus status) {
   if (status == ForwardStatus::kSolved) return true;
+  if (!evaluator_.motion_problem().empty()) return fail(RunStatus::kBadMotion, evaluator_.motion_problem());
   if (status == ForwardStatus::kSingularMass) {
     return fail(RunStatus::kSingularMass,
                 fmt::format("the mass matrix is singular on the admissible motions at t = {:g} s: some motion moves no "
@@ -196,11 +225,15 @@ bool Run::solved(ForwardStatus status) {
 }
 
 bool Run::stuck() {
+  std::string motion_problem = evaluator_.motion_problem();  // one ahead too: the steps that met it were tried again
   const bool evaluated = evaluator_.evaluate(state_) == ForwardStatus::kSolved;
   if (!evaluator_.friction_problem().empty()) {
     return fail(RunStatus::kStepTooSmall, fmt::format("at t = {:g} s {}", state_.t, evaluator_.friction_problem()));
   }
   const double ratio = evaluated && evaluator_.best_pivot() > 0 ? evaluator_.pivot() / evaluator_.best_pivot() : 0;
+  if (!motion_problem.empty() && !(evaluated && ratio < 0.05)) {
+    return fail(RunStatus::kBadMotion, std::move(motion_problem));
+  }
   if (ratio < 0.05) {
     std::string moving;
     for (const int v : evaluator_.selection().independent) {
@@ -240,6 +273,7 @@ bool Run::take_step(const std::vector<double>& times, std::size_t due) {
   between_.from_vdot = evaluator_.result().vdot;
   if (adaptive_) {
     if (!control_steps_.step(evaluator_, *stepper_, state_, times.back(), summary_, next_)) return stuck();
+    if (!(next_.t > state_.t)) return stuck();  // steps shorter than the last digit of t
     crossing_ = control_steps_.crossing();
     work_.drives += control_steps_.work().drives;
     work_.others += control_steps_.work().others;
@@ -323,8 +357,8 @@ bool Run::act(const EventWatch::Hit& hit) {
   if (!solved(evaluator_.evaluate(state_))) return false;
   if (!std::isfinite(evaluator_.settle(state_))) return stuck();
   accept_winding(system(), evaluator_.equations().pos, state_);
-  stepper_ = make_stepper(options_.integrator.value_or(Integrator::kDormandPrince8), evaluator_, !adaptive_);
-  control_steps_.restart();
+  stepper_ = make_stepper(integrator_of(options_), evaluator_, !adaptive_);
+  control_steps_.restart(state_.t);
   events_.acted(hit.event);
   return true;
 }
@@ -365,12 +399,31 @@ std::string Run::switch_drive(DriveId drive) {
     off_[static_cast<std::size_t>(i)] = !off_[static_cast<std::size_t>(i)];
     told = fmt::format("drive '{}' {}", model_->drives[i].name, off_[static_cast<std::size_t>(i)] ? "off" : "on");
   }
+  use_switches();
+  return told;
+}
+
+void Run::use_switches() {
   std::vector<int> driven;
   for (const int i : driven_) {
     if (!off_[static_cast<std::size_t>(i)]) driven.push_back(i);
   }
   evaluator_.set_drives(std::move(driven), off_);
-  return told;
+}
+
+// At the last row, which is where another run can go on: events after it happen again there.
+std::vector<std::string> Run::drives_off() const {
+  std::vector<std::string> off = options_.drives_off;
+  for (const EventRecord& record : summary_.events) {
+    if (record.action != EventSpec::Action::kSwitch || record.t > summary_.t_reached) continue;
+    const auto& events = system().model->events();
+    const auto event =
+        std::find_if(events.begin(), events.end(), [&](const Event& e) { return e.name == record.name; });
+    const std::string& name = system().model->drives()[event->drive.index()].name;
+    const auto found = std::find(off.begin(), off.end(), name);
+    found != off.end() ? static_cast<void>(off.erase(found)) : off.push_back(name);
+  }
+  return off;
 }
 
 // A prescribed motion that is switched on must find the mechanism where it begins.
@@ -428,8 +481,11 @@ bool Run::emit_between(double t) {
   return record(sample_state_, crossing_ || !solved_there ? sample_vdot_ : evaluator_.result().vdot, solved_there);
 }
 
-// `solved`: the last evaluation was at this state and gave multipliers.
+// `solved`: the last evaluation was at this state and gave multipliers. At a singular pose they are rounding divided by
+// nearly nothing: no figures.
 bool Run::record(const State& state, const VectorXd& vdot, bool solved) {
+  constexpr double kSingular = 1e-6;
+  solved = solved && !(evaluator_.pivot() < kSingular * evaluator_.best_pivot());
   const RunSample& sample = recorder_.record(state, evaluator_.equations(), evaluator_.joint_selection(), vdot,
                                              evaluator_.result().lambda.head(system().m), evaluator_.efforts(),
                                              options_.with_reactions && solved);

@@ -40,6 +40,8 @@ class Run {
   bool land_on(double t);
   void watch_limits(double until);
   std::string switch_drive(DriveId drive);
+  void use_switches();
+  std::vector<std::string> drives_off() const;
   bool meets_laws(const Event& event);
   void note_singular_pose();
 

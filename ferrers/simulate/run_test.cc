@@ -97,6 +97,161 @@ TEST(DrivenTest, AMotionThatTheConstraintsImplyIsAcceptedAndWatched) {
   EXPECT_EQ(run.summary.effort_is_shared, (std::vector<bool>{false, false, true}));
 }
 
+// --- Prescribed motions and friction, implied motions, laws without a value ---
+
+SimulationOptions driven_run(double t_end, double every) {
+  SimulationOptions options = plain_run(t_end, every);
+  options.driven = options.with_reactions = true;
+  return options;
+}
+
+ProbedRun probe_inverse(const ModelSpec& spec, double t_end, double every) {
+  const EngineProbe engine(spec);
+  ProbedRun run;
+  PrescribedOptions options;
+  options.grid = {t_end, every};
+  const RunControl control = keep_rows(*engine.dynamics, run);
+  run.summary = run_prescribed(engine.dynamics, options, control);
+  return run;
+}
+
+// What simulation of prescribed motion and inverse dynamics must share: efforts, reactions and how certain they are.
+void expect_as_inverse(const ModelSpec& spec, double t_end, double every, double bound) {
+  const ProbedRun run = probe_run(spec, driven_run(t_end, every));
+  const ProbedRun inverse = probe_inverse(spec, t_end, every);
+  ASSERT_EQ(run.summary.status, RunStatus::kFinished) << run.summary.message;
+  ASSERT_EQ(inverse.summary.status, RunStatus::kFinished) << inverse.summary.message;
+  ASSERT_EQ(run.samples.size(), inverse.samples.size());
+  for (std::size_t i = 0; i < run.samples.size(); ++i) {
+    for (const auto& [name, column] : run.columns) {
+      if (name.find(".effort") == std::string::npos) continue;
+      EXPECT_NEAR(run.samples[i].values[column], inverse.samples[i].values[column], bound) << name;
+    }
+    for (std::size_t j = 0; j < run.samples[i].reactions.size(); ++j) {
+      const JointReaction &a = run.samples[i].reactions[j], &b = inverse.samples[i].reactions[j];
+      for (int k = 0; k < 6; ++k) {
+        EXPECT_EQ(a.status[k], b.status[k]) << "joint " << j << ", component " << k;
+        EXPECT_NEAR(a.value[k], b.value[k], bound) << "joint " << j << ", component " << k;
+      }
+    }
+  }
+}
+
+void add_dry_friction(JointSpec& joint) {
+  FrictionSpec friction;
+  friction.coulomb = Number(0.1);
+  friction.radius = Number(0.01);
+  joint.friction = friction;
+}
+
+// Without redundancy nothing is left open by a prescribed coordinate, in the tree or not.
+TEST(DrivenTest, FrictionInADeterminedMechanismIsThatOfInverseDynamics) {
+  for (const char* driven : {"O", "guide"}) {
+    ModelSpec spec = make_slider_crank(SliderCrankJoints::kSphericalCylindrical);
+    for (JointSpec& one : spec.joints) {
+      if (one.name.name == "O") add_dry_friction(one);
+    }
+    spec.initial.clear();
+    spec.drives = {coordinate_drive("motor", driven, "0.02*t")};
+    if (driven == std::string("guide")) spec.drives[0].coordinate->coordinate = "displacement";
+    expect_as_inverse(spec, 0.5, 0.25, 1e-7);
+  }
+}
+
+TEST(DrivenTest, StiffnessDividesWhatPressesInAPrescribedMotion) {
+  ModelSpec spec = make_slider_crank(SliderCrankJoints::kRevolutePrismatic);
+  spec.initial.clear();
+  spec.drives = {coordinate_drive("motor", "O", "0.5*t")};
+  add_dry_friction(spec.joints[0]);
+  const ProbedRun refused = probe_run(spec, driven_run(0.5, 0.25));
+  EXPECT_EQ(refused.summary.status, RunStatus::kUnsupported);
+  EXPECT_NE(refused.summary.message.find("give stiffness"), std::string::npos) << refused.summary.message;
+  StiffnessSpec stiffness;
+  stiffness.force = number3(1e6, 1e6, 1e6);
+  stiffness.moment = number3(1e4, 1e4, 1e4);
+  for (JointSpec& one : spec.joints) one.stiffness = stiffness;
+  expect_as_inverse(spec, 0.5, 0.25, 1e-7);
+}
+
+// An arm in the plane whose tip follows a path in space.
+ModelSpec make_arm_on_a_path(const std::string& z) {
+  ModelSpec spec;
+  spec.name = "arm-on-a-path";
+  spec.gravity = number3(0, -9.81, 0);
+  spec.bodies = {rod_body("upper", {0, 0, 0}, {0.8, 0.6, 0}, 2), rod_body("lower", {0.8, 0.6, 0}, {0.8, -0.2, 0}, 1)};
+  spec.joints = {joint(JointType::kRevolute, "shoulder", "ground", "upper", {0, 0, 0}),
+                 joint(JointType::kRevolute, "elbow", "upper", "lower", {0.8, 0.6, 0})};
+  spec.records = {record("tip", "lower", {0.8, -0.2, 0})};
+  DriveSpec path;
+  path.name = "path";
+  path.point = NameRef("tip");
+  path.motion = {law("0.8 + 0.2*sin(t)"), law("-0.2 + 0.1*t"), law(z)};
+  spec.drives = {path};
+  return spec;
+}
+
+TEST(DrivenTest, WhatAnImpliedDriveCouldLoadIsNotUnique) {
+  const ModelSpec spec = make_arm_on_a_path("0");
+  expect_as_inverse(spec, 0.5, 0.25, 1e-8);
+  const ProbedRun run = probe_run(spec, driven_run(0.25, 0.25));
+  // A force along z at the tip is taken by both joints: as force z, and as moments about x and y.
+  for (const RunSample& sample : run.samples) {
+    EXPECT_EQ(sample.reactions[0].status[2], ReactionStatus::kDistributed);
+    EXPECT_EQ(sample.reactions[0].status[0], ReactionStatus::kUnique);
+    EXPECT_EQ(sample.reactions[1].status[3], ReactionStatus::kDistributed);
+  }
+}
+
+TEST(DrivenTest, AnImpliedMotionThatContradictsTheConstraintsIsToldAtOnce) {
+  for (const char* z : {"0.001*t^2", "0.001*t", "0.001", "0.001*t^4"}) {
+    const ProbedRun run = probe_run(make_arm_on_a_path(z), driven_run(0.2, 0.01));
+    EXPECT_EQ(run.summary.status, RunStatus::kBadMotion) << z << ": " << run.summary.message;
+    EXPECT_NE(run.summary.message.find("'path.z' contradicts the constraints"), std::string::npos)
+        << run.summary.message;
+    // An acceleration that begins with t² is seen when it is a ten-thousandth of the others.
+    EXPECT_LE(run.summary.t_reached, std::string(z) == "0.001*t^4" ? 0.06 : 0) << z;
+  }
+}
+
+TEST(DrivenTest, ALawWithoutAFiniteValueIsToldWithItsDriveAndTime) {
+  ModelSpec spec = make_pendulum();
+  const std::vector<std::pair<std::string, std::string>> laws = {{"sqrt(t)", "no finite rate at t = 0 s"},
+                                                                 {"log(t)", "no finite position at t = 0 s"},
+                                                                 {"sqrt((0.5 - t)^7)", "at t = 0.5 s"}};
+  for (const auto& [formula, words] : laws) {
+    spec.drives = {coordinate_drive("crank", "pivot", formula)};
+    const ProbedRun run = probe_run(spec, driven_run(1, 0.1));
+    EXPECT_EQ(run.summary.status, RunStatus::kBadMotion) << formula << ": " << run.summary.message;
+    EXPECT_NE(run.summary.message.find("motion law of drive 'crank'"), std::string::npos) << run.summary.message;
+    EXPECT_NE(run.summary.message.find(words), std::string::npos) << run.summary.message;
+  }
+}
+
+// --- Viscous friction ---
+
+// About a principal axis: J dω/dt = −c ω.
+TEST(RunTest, ASpinInASphericalJointDecaysWithItsViscousFriction) {
+  constexpr double c = 0.5, J = 0.2, w = 5;
+  ModelSpec spec;
+  spec.name = "ball";
+  spec.gravity = number3(0, 0, 0);
+  spec.bodies = {tensor_body("body", {0, 0, 0}, Eigen::Vector3d(0.1, J, 0.28).asDiagonal(), 1)};
+  spec.joints = {joint(JointType::kSpherical, "s", "ground", "body", {0, 0, 0})};
+  FrictionSpec friction;
+  friction.viscous = Number(c);
+  spec.joints[0].friction = friction;
+  InitialSpec spin;
+  spin.joint = NameRef("s");
+  spin.velocity = {Number(0.0), Number(w), Number(0.0)};
+  spec.initial = {spin};
+  const ProbedRun run = probe_run(spec, plain_run(1, 0.5));
+  ASSERT_EQ(run.summary.status, RunStatus::kFinished) << run.summary.message;
+  for (const double t : {0.5, 1.0}) EXPECT_NEAR(run.at(t, "s.omega_y.velocity"), w * std::exp(-c * t / J), 1e-9) << t;
+  ASSERT_TRUE(run.summary.work.has_value());
+  EXPECT_NEAR(run.summary.work->others, 0.5 * J * w * w * (std::exp(-2 * c / J) - 1), 1e-9);
+  EXPECT_LT(std::abs(run.summary.balance_error), 1e-9);
+}
+
 // --- Going on ---
 
 TEST(RunTest, ARunThatGoesOnIsTheSameRun) {
@@ -235,6 +390,44 @@ TEST(RunTest, ARunCannotGoOnToAnEndThatItHasPassed) {
   const RunSummary summary = simulate(engine.dynamics, options, {});
   EXPECT_EQ(summary.status, RunStatus::kUnsupported);
   EXPECT_NE(summary.message.find("t = 1 s"), std::string::npos) << summary.message;
+}
+
+TEST(RunTest, AnEffortThatGrowsWithoutBoundEndsTheRunThere) {
+  ModelSpec spec = make_four_bar(FourBarJoints::kRevolute);
+  spec.drives = {coordinate_drive("motor", "O", "", "1/(t - 1)")};
+  const ProbedRun run = probe_run(spec, plain_run(3, 0.1));
+  EXPECT_EQ(run.summary.status, RunStatus::kStepTooSmall);
+  EXPECT_NE(run.summary.message.find("t = 1 s"), std::string::npos) << run.summary.message;
+  EXPECT_LT(run.summary.steps, 2000);
+}
+
+TEST(RunTest, AToleranceThatSaysNothingAndAStepThatIsCutAreTold) {
+  SimulationOptions options = plain_run(0.2, 0.1);
+  options.integrator = Integrator::kConstantAcceleration;
+  options.tolerance = 1e-6;
+  options.step = 0.3;
+  const ProbedRun run = probe_run(make_pendulum(), options);
+  ASSERT_EQ(run.summary.notices.size(), 2u);
+  EXPECT_NE(run.summary.notices[0].find("tolerance"), std::string::npos);
+  EXPECT_NE(run.summary.notices[1].find("0.1 s"), std::string::npos);
+  EXPECT_EQ(run.summary.largest_step, 0.1);
+}
+
+// Driven through the pose where all rods lie in one line: the row there has no reactions, its neighbours have.
+TEST(RunTest, ReactionsAtASingularPoseAreNoFigures) {
+  ModelSpec spec = make_n_four_bar(1, 0);
+  spec.drives = {coordinate_drive("motor", spec.joints[0].name.name, "-pi/2*t", "")};
+  SimulationOptions options = plain_run(2, 0.5);
+  options.with_reactions = options.driven = true;
+  options.distribution.by = DistributionBy::kEqualStiffness;
+  const ProbedRun run = probe_run(spec, options);
+  ASSERT_EQ(run.summary.status, RunStatus::kFinished) << run.summary.message;
+  for (const RunSample& sample : run.samples) {
+    EXPECT_EQ(sample.reactions.empty(), std::abs(sample.t - 1) < 1e-9) << sample.t;
+    for (const JointReaction& reaction : sample.reactions) {
+      for (int i = 0; i < 6; ++i) EXPECT_LT(std::abs(reaction.value[i]), 1e3);
+    }
+  }
 }
 
 TEST(RunTest, EffortsFromTablesAreToldToBeSplinesThatGoOnBeyondTheirEnds) {

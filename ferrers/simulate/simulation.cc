@@ -78,13 +78,13 @@ RunSummary simulate(std::shared_ptr<const DynamicsModel> model, const Simulation
     summary.message = "this model cannot be simulated: it has " + refused.front();
     return summary;
   }
-  const Integrator integrator = options.integrator.value_or(Integrator::kDormandPrince8);
+  const Integrator integrator = integrator_of(options);
   const bool adaptive = !options.step && integrator != Integrator::kConstantAcceleration;
   const double begin = options.start ? options.start->t : 0;
-  if (options.grid.t_end < begin) {
+  if (options.start && options.grid.t_end <= begin) {
     RunSummary summary;
     summary.status = RunStatus::kUnsupported;
-    summary.message = fmt::format("the run to go on from ended at t = {:g} s: the end must not be before that", begin);
+    summary.message = fmt::format("the run to go on from ended at t = {:g} s already: the end must be later", begin);
     return summary;
   }
   if (!options.estimate_error || !adaptive || options.grid.t_end == begin)

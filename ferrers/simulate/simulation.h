@@ -49,16 +49,21 @@ struct SimulationOptions {
   /// What positions may be off by at the end, relative to the characteristic length L, and rad. Steps are chosen so
   /// that the local errors stay a thousandth of it per unit of motion; default 1e-9.
   std::optional<double> tolerance;
-  std::optional<Formulation> formulation;  ///< Else by the size of the system.
+  std::optional<Formulation> formulation;  ///< Else `recommended_formulation`.
   bool with_reactions = true;
   ReactionAxes axes = ReactionAxes::kWorld;
   DistributionOptions distribution;
-  bool driven = false;              ///< Drives with a motion law follow it; the others act by their effort laws.
-  std::optional<State> start;       ///< Goes on from here; else the model's initial state at t = 0.
+  bool driven = false;         ///< Drives with a motion law follow it; the others act by their effort laws.
+  std::optional<State> start;  ///< Goes on from here; else the model's initial state at t = 0.
+  /// Beside `start`, by name: drives that events have switched off, and events that acted at that very time.
+  std::vector<std::string> drives_off, events_acted;
   bool find_singular_poses = true;  ///< Locate them in time (costs a rank decision each).
   /// Run a companion with ten times the local tolerance beside, and compare: `RunSummary::error_estimate`.
   bool estimate_error = false;
 };
+
+/// What `options` ask for, else what the engine takes.
+Integrator integrator_of(const SimulationOptions& options);
 
 enum class RunStatus {
   kFinished,
@@ -123,6 +128,7 @@ struct RunSummary {
   double balance_error = 0;                 ///< J: energy_end − energy_start − work.
   std::optional<MomentumSummary> momentum;  ///< Of simulations.
   std::vector<EventRecord> events;
+  std::vector<std::string> drives_off;   ///< Drives that events have switched off, at `t_reached`.
   std::vector<LimitCrossing> limits;     ///< Joint limits that were crossed.
   std::optional<double> error_estimate;  ///< Of positions, in rad and characteristic lengths.
   std::vector<DecisionRecord> decisions;

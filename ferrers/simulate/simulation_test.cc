@@ -22,6 +22,14 @@ TEST(SimulationTest, OneStepOfConstantAccelerationIsThePapersFormula) {
   EXPECT_NEAR(run.at(0.01, "pivot.angle.velocity"), -9.81 * 0.01, 1e-15);
 }
 
+TEST(SimulationTest, TheIntegratorThatIsTakenIsTheFirstByNameUnlessAnotherIsAskedFor) {
+  SimulationOptions options = plain_run(0.01, 0.01);
+  EXPECT_EQ(to_string(integrator_of(options)), integrator_names().front());
+  EXPECT_EQ(probe_run(make_pendulum(), options).summary.method.rfind(integrator_names().front() + ",", 0), 0u);
+  options.integrator = Integrator::kRungeKutta4;
+  EXPECT_EQ(integrator_of(options), Integrator::kRungeKutta4);
+}
+
 TEST(SimulationTest, ATighterToleranceIsMoreAccurate) {
   const auto error = [](double tolerance) {
     SimulationOptions options = plain_run(2, 2);

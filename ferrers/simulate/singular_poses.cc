@@ -34,7 +34,7 @@ class Track {
       close_loops(system, scaling, {}, 5, state_, iterations);
       blocks = compute_constraint_blocks(system, state_);
     }
-    return decide_clusters(system, scaling, blocks, open()).decision;
+    return decide_clusters(system, scaling, blocks, open(), kLargestDenseInMotion).decision;
   }
 
  private:

@@ -41,16 +41,15 @@ double StepControl::rounding_error(const Evaluator& evaluator, double h, double 
   return std::min(h * fastest, 1.0) * std::min(amplified, kLargestRounding);
 }
 
-// Time until the smallest pivot vanishes if it goes on as in the last step; infinity if it does not shrink.
+// Time until the smallest pivot vanishes if it goes on as at the end of the last step; infinity if it does not shrink.
 double StepControl::predicted_distance(Evaluator& evaluator, const State& state) {
   const double pivot = evaluator.pivot();
-  const double t = last_t_, before = last_pivot_;
-  last_t_ = state.t;
+  const auto [t, before] = evaluator.a_little_before();
   last_pivot_ = pivot;
-  const bool shrinking = before > 0 && pivot < before && pivot < 0.5 * evaluator.best_pivot() && state.t > t;
+  const bool shrinking = t > begin_ && state.t > t && pivot < before && pivot < 0.9 * evaluator.best_pivot();
   if (!shrinking) return INFINITY;
   const double distance = pivot * (state.t - t) / (before - pivot);
-  return distance < 4 * next_ ? refined_distance(evaluator, state, distance) : distance;
+  return distance < 3 * next_ ? refined_distance(evaluator, state, distance) : distance;
 }
 
 // The same with pivots looked up ahead, on the parabola that the motion starts along. `state` is evaluated afterwards.
@@ -102,9 +101,10 @@ double StepControl::fit_to_crossing(const Evaluator& evaluator, const Stepper& s
   return distance / gaps.back();
 }
 
-void StepControl::restart() {
+void StepControl::restart(double t) {
   next_ = trusted_ = 0;
   last_pivot_ = -1;
+  begin_ = t;
   crossing_ = near_crossing_ = false;
 }
 
@@ -125,6 +125,7 @@ bool StepControl::step(Evaluator& evaluator, Stepper& stepper, const State& stat
     const double left = t_limit - state.t;
     if (!crossing_) h = std::min(h, followed);
     if (!crossing_) h = h >= left ? left : (2 * h > left ? 0.5 * left : h);
+    if ((h < shortest && h < left) || !(state.t + h > state.t)) return false;  // no way on
     evaluator.reset_watch();
     evaluator.settle_stages(crossing_);
     const Stepper::Outcome outcome = stepper.step(evaluator, state, h, next);
@@ -138,7 +139,10 @@ bool StepControl::step(Evaluator& evaluator, Stepper& stepper, const State& stat
     const double allowed = allowed_error(evaluator, h, fastest);
     const double change = outcome.error > 0 ? 0.9 * std::pow(allowed / outcome.error, power) : 4.0;
     if (outcome.finite && outcome.error <= allowed) {
-      const double proposed = h * std::clamp(change, 0.2, 4.0);
+      // Estimates are small by accident now and then: what they promise is believed by half, unless it is very much.
+      const bool by_half = change > 1 && change < 3 && allowed > 10 * looser_ * rounding(evaluator);
+      const double growth = by_half ? std::sqrt(change) : std::clamp(change, 0.2, 4.0);
+      const double proposed = h * growth;
       if (h >= 0.999 * next_ || change < 1) next_ = std::min(proposed, longest_);
       if (crossing_) evaluator.restore_energy(state, work_, next);
       trusted_ = h < 0.999 * next_ ? std::max(h, trusted_) : h;  // a step cut short tells nothing against longer ones

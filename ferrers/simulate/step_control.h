@@ -29,8 +29,8 @@ class StepControl {
   /// What rounding leaves in one step, in rad and characteristic lengths: no tolerance of a step is taken below that.
   static double rounding(const Evaluator& evaluator);
   const Work& work() const { return work_; }  ///< Of the step taken last.
-  /// Forgets lengths and pivots: the motion goes on from another state or under other forces.
-  void restart();
+  /// Forgets lengths and pivots: the motion goes on at `t` from another state or under other forces.
+  void restart(double t);
 
  private:
   double fastest_rate(const Evaluator& evaluator, const State& state) const;
@@ -43,9 +43,10 @@ class StepControl {
   double rounding_error(const Evaluator& evaluator, double h, double fastest) const;
 
   double tolerance_, longest_, looser_;
-  double next_ = 0;                      ///< Length proposed for the next step, s; 0: not known.
-  double trusted_ = 0;                   ///< The last length whose error was allowed.
-  double last_t_ = 0, last_pivot_ = -1;  ///< At the previous accepted step.
+  double next_ = 0;                                          ///< Length proposed for the next step, s; 0: not known.
+  double trusted_ = 0;                                       ///< The last length whose error was allowed.
+  double last_pivot_ = -1;                                   ///< Where the step begins.
+  double begin_ = -std::numeric_limits<double>::infinity();  ///< What was before is forgotten.
   double lost_ = 0;
   bool crossing_ = false, near_crossing_ = false;
   Work work_;
