@@ -339,17 +339,20 @@ TEST_F(CommandTest, DrivenDrivesFollowTheirLawsInASimulation) {
   }
 }
 
-// The ball closes the loop, so that its rates are no coordinates of the engine.
+// One of the balls closes the loop, so that its rates are no coordinates of the engine.
 TEST_F(CommandTest, LawsReadTheRatesOfABallThatClosesALoop) {
   const fs::path model = write("closed.yaml", R"(ferrers: 1
 name: closed
+gravity: [0, -9.81, 0]
 bodies:
   a: {mass: 1, com: [1, 0, 0], inertia: {moments: [1, 1, 1]}}
   b: {mass: 1, com: [1, 1, 0.5], inertia: {moments: [1, 2, 3]}}
+  c: {mass: 1, com: [2, 2, 1], inertia: {moments: [1, 1, 1]}}
 joints:
-  A: {type: revolute, bodies: [ground, a], at: [0, 0, 0], axis: x}
+  A: {type: revolute, bodies: [ground, a], at: [0, 0, 0], axis: z}
   S: {type: spherical, bodies: [a, b], at: [1, 0, 0]}
-  T: {type: spherical, bodies: [b, ground], at: [1, 2, 1]}
+  T: {type: spherical, bodies: [b, c], at: [1, 2, 1]}
+  C: {type: revolute, bodies: [ground, c], at: [3, 2, 1], axis: [0, 0.3, 1]}
 drives:
   one: {joint: A, effort: "= S.omega_x + 2*S.omega_y + 3*S.omega_z"}
   two: {joint: A, effort: "= T.omega_x + 2*T.omega_y + 3*T.omega_z"}

@@ -228,6 +228,8 @@ class Folder {
     fs::remove_all(path_, ignored);
   }
 
+  const fs::path& path() const { return path_; }
+
   std::string run(const std::string& command) const {
     const std::string shell = fmt::format("cd '{}' && export NO_COLOR=1 PATH='{}':\"$PATH\" && {{ {}\n}} 2>&1",
                                           path_.string(), fs::path(FERRERS_COMMAND).parent_path().string(), command);
@@ -427,17 +429,17 @@ TEST(DocsTest, EveryFieldOfTheJsonReportIsExplained) {
 
 TEST(DocsTest, EveryFieldOfTheRunSummaryIsExplained) {
   const Folder folder("run-json");
-  const std::string page = read_text(kSource / "docs/results.md");
-  std::set<std::string> keys;
-  for (const char* arguments :
-       {"simulate examples/slider-crank/model.yaml --end 0.1 --distribute equal --stiffness-range 0.5:2",
-        "inverse examples/two-motors/model.yaml --end 0.1", "simulate busy.yaml --end 1", "simulate nothing.yaml"}) {
-    std::ofstream(folder.path() / "busy.yaml") << R"(ferrers: 1
+  std::ofstream(folder.path() / "busy.yaml") << R"(ferrers: 1
 name: busy
 bodies: {a: {mass: 1, com: [1, 0, 0]}}
 joints: {j: {type: revolute, bodies: [ground, a], at: [0, 0, 0], axis: y, limits: [-0.1, 0.1]}}
 events: {half: {when: "= t - 0.5", do: record}}
 )";
+  const std::string page = read_text(kSource / "docs/results.md");
+  std::set<std::string> keys;
+  for (const char* arguments :
+       {"simulate examples/slider-crank/model.yaml --end 0.1 --distribute equal --stiffness-range 0.5:2",
+        "inverse examples/two-motors/model.yaml --end 0.1", "simulate busy.yaml --end 1", "simulate nothing.yaml"}) {
     const std::string output = folder.run(fmt::format("ferrers {} --json 2>/dev/null", arguments));
     const ordered_json json = ordered_json::parse(output, nullptr, /*allow_exceptions=*/false);
     ASSERT_TRUE(json.is_object()) << arguments << ": " << output;
