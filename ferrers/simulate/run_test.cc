@@ -401,6 +401,18 @@ TEST(RunTest, AnEffortThatGrowsWithoutBoundEndsTheRunThere) {
   EXPECT_LT(run.summary.steps, 2000);
 }
 
+// Its rate becomes infinite where the law ends.
+TEST(DrivenTest, AMotionThatEndsInAnInfiniteRateEndsTheRun) {
+  ModelSpec spec = make_pendulum();
+  spec.drives = {coordinate_drive("motor", "pivot", "sqrt(0.5 - t)", "")};
+  SimulationOptions options = plain_run(1, 0.1);
+  options.driven = true;
+  const ProbedRun run = probe_run(spec, options);
+  EXPECT_NE(run.summary.status, RunStatus::kFinished);
+  EXPECT_NEAR(run.summary.t_reached, 0.4, 0.11);
+  EXPECT_LT(run.summary.steps, 5000);
+}
+
 TEST(RunTest, AToleranceThatSaysNothingAndAStepThatIsCutAreTold) {
   SimulationOptions options = plain_run(0.2, 0.1);
   options.integrator = Integrator::kConstantAcceleration;

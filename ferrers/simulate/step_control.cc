@@ -101,10 +101,21 @@ double StepControl::fit_to_crossing(const Evaluator& evaluator, const Stepper& s
   return distance / gaps.back();
 }
 
+// A run that creeps towards a point which it cannot pass would go on for ever.
+bool StepControl::is_hopeless(double t) {
+  constexpr int kSteps = 1000;
+  constexpr double kProgress = 1e-10;  // of the run, in so many steps
+  if (pace_steps_++ % kSteps != 0) return false;
+  const bool creeps = pace_steps_ > 1 && t - pace_t_ < kProgress * longest_;
+  pace_t_ = t;
+  return creeps;
+}
+
 void StepControl::restart(double t) {
   next_ = trusted_ = 0;
   last_pivot_ = -1;
-  begin_ = t;
+  begin_ = pace_t_ = t;
+  pace_steps_ = 0;
   crossing_ = near_crossing_ = false;
 }
 
@@ -117,6 +128,7 @@ bool StepControl::step(Evaluator& evaluator, Stepper& stepper, const State& stat
   const double distance = predicted_distance(evaluator, state);
   near_crossing_ = distance < 3 * next_;
   evaluator.note_residual();
+  if (is_hopeless(state.t)) return false;
   const double proposed_first = next_, followed = evaluator.longest_followed_turn();
   double refused_h = 0, refused_error = 0;
   while (true) {

@@ -34,6 +34,7 @@ class StepControl {
 
  private:
   double fastest_rate(const Evaluator& evaluator, const State& state) const;
+  bool is_hopeless(double t);
   double predicted_distance(Evaluator& evaluator, const State& state);
   double refined_distance(Evaluator& evaluator, const State& state, double distance);
   double crossing_length(const Evaluator& evaluator, const Stepper& stepper, double h, double allowed,
@@ -48,6 +49,8 @@ class StepControl {
   double last_pivot_ = -1;                                   ///< Where the step begins.
   double begin_ = -std::numeric_limits<double>::infinity();  ///< What was before is forgotten.
   double lost_ = 0;
+  double pace_t_ = 0;  ///< When the steps were counted last.
+  long pace_steps_ = 0;
   bool crossing_ = false, near_crossing_ = false;
   Work work_;
   State probe_;
