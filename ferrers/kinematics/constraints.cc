@@ -1,6 +1,7 @@
 #include "ferrers/kinematics/constraints.h"
 
 #include "ferrers/kinematics/coordinates.h"
+#include "ferrers/kinematics/turned.h"
 
 namespace ferrers {
 
@@ -19,8 +20,8 @@ RelativeMotion compute_relative_motion(const FramePair& pair, const PositionKine
   const VelocityKinematics::NodeVelocity& k1 = acc.nodes[pair.node_1];
   const VelocityKinematics::NodeVelocity& k2 = acc.nodes[pair.node_2];
   RelativeMotion m;
-  m.R_F.noalias() = n1.R * pair.X_1F.R;
-  m.R_M.noalias() = n2.R * pair.X_2M.R;
+  m.R_F = turned(n1.R, pair.X_1F.R);
+  m.R_M = turned(n2.R, pair.X_2M.R);
   const Vector3d r_F = n1.R * pair.X_1F.p;
   const Vector3d r_2 = n2.R * pair.X_2M.p;  // node 2's origin to p_M
   const Vector3d apart = n2.p - n1.p;

@@ -1,5 +1,7 @@
 #include "ferrers/kinematics/motion.h"
 
+#include "ferrers/kinematics/turned.h"
+
 namespace ferrers {
 
 PositionKinematics make_position_kinematics(const System& system) {
@@ -23,7 +25,7 @@ void compute_positions(const System& system, const VectorXd& q, PositionKinemati
     const Node& node = system.nodes[i];
     const PositionKinematics::NodePosition& parent = out.nodes[node.parent];
     PositionKinematics::NodePosition& here = out.nodes[i];
-    const Matrix3d R_J = parent.R * node.X_PJ.R;
+    const Matrix3d R_J = turned(parent.R, node.X_PJ.R);
     const Vector3d p_J = parent.p + parent.R * node.X_PJ.p;
     node.type->motion(node.constants, q.data() + node.q, X_FM);
     node.type->subspace(node.constants, q.data() + node.q, no_velocity.data(), S_F, ignored);
