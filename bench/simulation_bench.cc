@@ -43,10 +43,11 @@ struct Reference {
 };
 
 void measure_run(benchmark::State& run, const ModelSpec& spec, double t_end, double every, double tolerance,
-                 const Reference& reference) {
+                 const Reference& reference, bool find_singular_poses) {
   const EngineProbe engine(spec);
   SimulationOptions options = plain_run(t_end, every);
   options.tolerance = tolerance;
+  options.find_singular_poses = find_singular_poses;
   ProbedRun last;
   for (auto _ : run) {
     last = ProbedRun();
@@ -83,7 +84,11 @@ int main(int argc, char** argv) {
                           const Reference& r) {
     for (const double tolerance : {1e-3, 1e-6, 1e-9}) {
       const std::string title = fmt::format("run/{}/tolerance_{:g}", name, tolerance);
-      benchmark::RegisterBenchmark(title.c_str(), measure_run, spec, t_end, every, tolerance, r)
+      benchmark::RegisterBenchmark(title.c_str(), measure_run, spec, t_end, every, tolerance, r, true)
+          ->Unit(benchmark::kMillisecond);
+      // The same motion, without the times and ranks of the singular poses on its way.
+      benchmark::RegisterBenchmark((title + "/motion_only").c_str(), measure_run, spec, t_end, every, tolerance, r,
+                                   false)
           ->Unit(benchmark::kMillisecond);
     }
   };
