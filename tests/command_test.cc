@@ -4,7 +4,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-
 #include "command_probe.h"
 
 namespace ferrers::command_testing {

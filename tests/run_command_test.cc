@@ -271,6 +271,18 @@ std::string cell(const std::string& line, long column) {
   return text;
 }
 
+TEST_F(CommandTest, ARunReplacesNothingInAFolderThatIsNoRun) {
+  fs::create_directories(folder_ / "mine");
+  write("mine/model.yaml", "my own\n");
+  const Result refused = run({"simulate", bricard(), "--end", "0.1", "-o", "mine"});
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.errors, HasSubstr("'mine'"));
+  EXPECT_EQ(read_text(folder_ / "mine/model.yaml"), "my own\n");
+  // A run's own folder is used again.
+  ASSERT_EQ(run({"simulate", bricard(), "--end", "0.1", "-o", "run"}).exit_code, 0);
+  EXPECT_EQ(run({"simulate", bricard(), "--end", "0.1", "-o", "run"}).exit_code, 0);
+}
+
 TEST_F(CommandTest, KinematicsPrintsNoForces) {
   const Result result =
       run({"kinematics", (kExamples / "four-bar-driven/model.yaml").string(), "--end", "0.1", "-o", "run"});

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -399,6 +400,27 @@ TEST(RunTest, AnEffortThatGrowsWithoutBoundEndsTheRunThere) {
   EXPECT_EQ(run.summary.status, RunStatus::kStepTooSmall);
   EXPECT_NE(run.summary.message.find("t = 1 s"), std::string::npos) << run.summary.message;
   EXPECT_LT(run.summary.steps, 2000);
+}
+
+TEST(DrivenTest, AMotionThatBeginsElsewhereThanAnExactInitialPoseIsTold) {
+  for (const bool guess : {false, true}) {
+    ModelSpec spec = make_pendulum();
+    spec.drives = {coordinate_drive("motor", "pivot", "0.1 + t", "")};
+    InitialSpec initial;
+    initial.joint = "pivot";
+    initial.position = {Number(0.5)};
+    initial.guess = guess;
+    spec.initial = {initial};
+    SimulationOptions options = plain_run(0.1, 0.1);
+    options.driven = true;
+    const ProbedRun run = probe_run(spec, options);
+    EXPECT_NEAR(run.samples.front().values[run.columns.at("pivot.angle")], 0.1, 1e-12);
+    const auto& notices = run.summary.notices;
+    const bool told = std::any_of(notices.begin(), notices.end(), [](const std::string& notice) {
+      return notice.find("begin elsewhere") != std::string::npos;
+    });
+    EXPECT_EQ(told, !guess);
+  }
 }
 
 // Its rate becomes infinite where the law ends.
