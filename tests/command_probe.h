@@ -53,6 +53,17 @@ struct Result {
   ordered_json json() const { return ordered_json::parse(output, nullptr, /*allow_exceptions=*/false); }
 };
 
+/// Becomes the command, in a child process.
+[[noreturn]] inline void become_command(const std::vector<std::string>& arguments) {
+  std::vector<std::string> words = {FERRERS_COMMAND};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  std::vector<char*> pointers;
+  for (std::string& word : words) pointers.push_back(word.data());
+  pointers.push_back(nullptr);
+  execv(pointers[0], pointers.data());
+  _exit(127);
+}
+
 /// A scratch folder, in which the command runs.
 class CommandTest : public testing::Test {
  protected:
@@ -83,13 +94,7 @@ class CommandTest : public testing::Test {
     redirect("stdout", STDOUT_FILENO);
     redirect("stderr", STDERR_FILENO);
     if (chdir(folder_.c_str()) != 0) _exit(126);
-    std::vector<std::string> words = {FERRERS_COMMAND};
-    words.insert(words.end(), arguments.begin(), arguments.end());
-    std::vector<char*> pointers;
-    for (std::string& word : words) pointers.push_back(word.data());
-    pointers.push_back(nullptr);
-    execv(pointers[0], pointers.data());
-    _exit(127);
+    become_command(arguments);
   }
 
   Result wait_for(pid_t child) const {

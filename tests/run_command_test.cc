@@ -165,13 +165,7 @@ std::string shown_on_terminal(const std::vector<std::string>& arguments, const c
     setenv("TERM", "xterm", 1);
     unsetenv("NO_COLOR");
     if (no_color != nullptr) setenv("NO_COLOR", no_color, 1);
-    std::vector<std::string> words = {FERRERS_COMMAND};
-    words.insert(words.end(), arguments.begin(), arguments.end());
-    std::vector<char*> pointers;
-    for (std::string& word : words) pointers.push_back(word.data());
-    pointers.push_back(nullptr);
-    execv(pointers[0], pointers.data());
-    _exit(127);
+    become_command(arguments);
   }
   std::string text;
   char buffer[4096];

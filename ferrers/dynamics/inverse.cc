@@ -16,10 +16,6 @@
 namespace ferrers {
 namespace {
 
-// How well laws that are given twice must agree, positions relative to the model's size, rates and accelerations
-// relative to the motion: tables and measured laws agree to their digits only, above all in their derivatives.
-constexpr double kAgreement[3] = {1e-8, 1e-6, 1e-4};
-
 // Of the way to positions that are walked to: how small a first piece may be, so that the walk ends, and how small one
 // may become where the mechanism does not follow.
 constexpr double kLeastFirstPiece = 1e-7, kLeastPiece = 1e-5;
@@ -355,11 +351,11 @@ struct PrescribedMotion::Impl {
             quoted(partners(i)), t, drive.name, what, asked, unit, per, got, unit, per, std::abs(asked - got), unit,
             per);
       };
-      if (differs(law.value, drive_value[i], scaling.length_m, kAgreement[0])) {
+      if (differs(law.value, drive_value[i], scaling.length_m, kLawAgreement[0])) {
         return tell("the position", law.value, drive_value[i], "");
       }
-      if (differs(law.rate, rates[i], rate, kAgreement[1])) return tell("the rate", law.rate, rates[i], "/s");
-      if (differs(law.acceleration, accelerations[i], acceleration, kAgreement[2])) {
+      if (differs(law.rate, rates[i], rate, kLawAgreement[1])) return tell("the rate", law.rate, rates[i], "/s");
+      if (differs(law.acceleration, accelerations[i], acceleration, kLawAgreement[2])) {
         return tell("the acceleration", law.acceleration, accelerations[i], "/s²");
       }
     }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <memory>
 #include <string>
 #include <vector>
@@ -24,6 +25,11 @@
 /// alone act by it. Dry friction is solved for with the efforts, whose sharing is the least for the friction found.
 /// Cost of an instant: O(nv³) per Newton step.
 namespace ferrers {
+
+/// How well a motion law must agree with what other laws or the constraints make of it: positions relative to the
+/// model's size, rates and accelerations relative to the motion. Tables and measured laws agree to their digits only,
+/// above all in their derivatives.
+inline constexpr std::array<double, 3> kLawAgreement = {1e-8, 1e-6, 1e-4};
 
 enum class PrescribedStatus {
   kSolved,

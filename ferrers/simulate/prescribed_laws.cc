@@ -7,15 +7,13 @@
 #include <array>
 #include <cmath>
 
+#include "ferrers/dynamics/inverse.h"
+
 namespace ferrers {
 namespace {
 
 constexpr std::array<std::string_view, 3> kWhat = {"position", "rate", "acceleration"};
 constexpr std::array<std::string_view, 3> kPer = {"", "/s", "/s²"};
-
-// How well laws must agree with the constraints, positions relative to the model's size, rates and accelerations
-// relative to the motion: the same as inverse dynamics asks of laws that are given twice (dynamics/inverse.cc).
-constexpr std::array<double, 3> kAgreement = {1e-8, 1e-6, 1e-4};
 
 // What rounding makes of rates and accelerations at rest, relative to what acts.
 constexpr double kRounding = 1e-10;
@@ -76,7 +74,7 @@ std::string find_law_against_constraints(const DynamicsModel& model, const Scali
     for (std::size_t k = 0; k < 3; ++k) {
       // not a rank decision: whether a given law agrees
       const double size = std::max(sizes[k], std::abs(asked[k]) * scale_of(at));
-      if (std::abs(off[k]) * scale_of(at) <= kAgreement[k] * size + floors[k]) continue;
+      if (std::abs(off[k]) * scale_of(at) <= kLawAgreement[k] * size + floors[k]) continue;
       const std::string_view unit = drive.rotary ? "rad" : "m";
       return fmt::format(
           "the prescribed motion '{}' contradicts the constraints at t = {:g} s: it asks for the {} {:.9g} {}{}, the "

@@ -273,7 +273,6 @@ bool Run::take_step(const std::vector<double>& times, std::size_t due) {
   between_.from_vdot = evaluator_.result().vdot;
   if (adaptive_) {
     if (!control_steps_.step(evaluator_, *stepper_, state_, times.back(), summary_, next_)) return stuck();
-    if (!(next_.t > state_.t)) return stuck();  // steps shorter than the last digit of t
     crossing_ = control_steps_.crossing();
     work_.drives += control_steps_.work().drives;
     work_.others += control_steps_.work().others;
@@ -421,7 +420,11 @@ std::vector<std::string> Run::drives_off() const {
         std::find_if(events.begin(), events.end(), [&](const Event& e) { return e.name == record.name; });
     const std::string& name = system().model->drives()[event->drive.index()].name;
     const auto found = std::find(off.begin(), off.end(), name);
-    found != off.end() ? static_cast<void>(off.erase(found)) : off.push_back(name);
+    if (found == off.end()) {
+      off.push_back(name);
+    } else {
+      off.erase(found);
+    }
   }
   return off;
 }

@@ -80,15 +80,15 @@ RunSummary simulate(std::shared_ptr<const DynamicsModel> model, const Simulation
   }
   const Integrator integrator = integrator_of(options);
   const bool adaptive = !options.step && integrator != Integrator::kConstantAcceleration;
-  const double begin = options.start ? options.start->t : 0;
-  if (options.start && options.grid.t_end <= begin) {
+  if (options.start && options.grid.t_end <= options.start->t) {
     RunSummary summary;
     summary.status = RunStatus::kUnsupported;
-    summary.message = fmt::format("the run to go on from ended at t = {:g} s already: the end must be later", begin);
+    summary.message =
+        fmt::format("the run to go on from ended at t = {:g} s already: the end must be later", options.start->t);
     return summary;
   }
-  if (!options.estimate_error || !adaptive || options.grid.t_end == begin)
-    return Run(std::move(model), options, control).go();
+  const bool has_error = adaptive && options.grid.t_end > 0;
+  if (!options.estimate_error || !has_error) return Run(std::move(model), options, control).go();
   return simulate_with_estimate(model, options, control);
 }
 
