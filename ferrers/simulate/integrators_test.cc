@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "ferrers/simulate/stepper.h"
+#include "ferrers/testing/allocation_guard.h"
 #include "ferrers/testing/closed_forms.h"
 #include "ferrers/testing/finite_difference.h"
 #include "ferrers/testing/run_probe.h"
@@ -119,6 +121,29 @@ INSTANTIATE_TEST_SUITE_P(Tolerances, ToleranceTest,
                          [](const auto& test) {
                            return "1e" + std::to_string(-std::lround(-std::log10(test.param)) * -1);
                          });
+
+TEST(SteppersTest, AnExplicitStepAllocatesNothing) {
+  if (!AllocationGuard::available()) GTEST_SKIP();
+  for (const ModelSpec& spec : {make_andrews(), make_bricard(BricardRods::kBricks), make_n_four_bar(10, 0.3)}) {
+    const EngineProbe engine(spec);
+    const State state = engine.start();
+    Evaluator evaluator(engine.dynamics, recommended_formulation());
+    RunSummary summary;
+    evaluator.decide(state, "", summary);
+    for (const Integrator integrator : {Integrator::kDormandPrince8, Integrator::kDormandPrince5}) {
+      const auto stepper = make_stepper(integrator, evaluator, false);
+      State next = state;
+      long count = 0;
+      for (int i = 0; i < 2; ++i) {  // the first one makes room
+        ASSERT_EQ(evaluator.evaluate(state), ForwardStatus::kSolved);
+        const AllocationGuard guard;
+        ASSERT_TRUE(stepper->step(evaluator, state, 1e-5, next).finite);
+        count = guard.count();
+      }
+      EXPECT_EQ(count, 0) << spec.name << ", " << to_string(integrator);
+    }
+  }
+}
 
 class FourBarsTest : public ::testing::TestWithParam<int> {};
 

@@ -11,7 +11,7 @@ namespace ferrers {
 /// One step of an integrator from `state`, at which `evaluator` was evaluated last.
 ///
 /// Post, when `finite`: `next` at t + h, on the constraints, and evaluated there. The explicit ones
-/// allocate nothing per step. One integrator per file.
+/// allocate nothing in a step that crosses no singular pose. One integrator per file.
 class Stepper {
  public:
   virtual ~Stepper() = default;
