@@ -60,6 +60,11 @@ class Expression {
   /// undefined (sqrt at 0, hypot at the origin) its value is infinite or NaN. Cost: O(size).
   Expression derivative(std::string_view name) const;
 
+  /// The same formula in simplest form: factors and terms gathered, numbers worked out, equal parts shared. Its value
+  /// is that of this formula up to rounding; where that is NaN or infinite (0*x at x = 1/0), so is this one. Cost:
+  /// O(size).
+  Expression simplified() const;
+
   /// The same formula with names replaced where `replacement` returns a formula.
   Expression substitute(const std::function<std::optional<Expression>(std::string_view)>& replacement) const;
 
@@ -73,16 +78,36 @@ class Expression {
   /// Reads back as a formula with the same operations in the same order. Cost: linear in the text, in which shared
   /// parts of a derivative are written out each time.
   std::string to_string() const;
+
+  /// In LaTeX, for math mode: fractions, roots, powers, functions by their usual signs. `name` writes a name
+  /// (`\\varphi` for `phi`); without it `l_1` is `l_{1}` and longer words stand upright. Cost: as that of `to_string`.
+  std::string to_latex(const std::function<std::string(std::string_view)>& name = {}) const;
+
   SourceRange at() const;  ///< Where the formula stands.
 
  private:
   explicit Expression(std::shared_ptr<const ExpressionTree> tree);
   std::shared_ptr<const ExpressionTree> tree_;
   friend class ExpressionProgram;
+  friend class ExpressionOperators;
 };
 
-/// An expression as straight-line code over an array of inputs; common subexpressions are computed once.
+/// Sums, differences, products and quotients of formulas, in simplest form: 0 + x is x, 1*x is x, 0*x is 0 whatever x
+/// is worth, numbers are worked out. Equal parts of both are shared. Cost: the size of both.
+Expression operator+(const Expression& a, const Expression& b);
+Expression operator-(const Expression& a, const Expression& b);
+Expression operator*(const Expression& a, const Expression& b);
+Expression operator/(const Expression& a, const Expression& b);
+Expression operator-(const Expression& a);
+
+/// The sum of all terms in their order, 0 of none. Cost: the size of all, where adding one by one would copy the first
+/// term as often as there are others.
+Expression sum_of(std::span<const Expression> terms);
+
+/// Formulas as straight-line code over an array of inputs; common subexpressions are computed once, also those that
+/// several formulas share.
 ///
+/// Each value is that of the formula's operations as they are written, to the last bit (but for the sign of NaN).
 /// Evaluation allocates nothing: its registers stand on the stack. (Beyond 4096 registers, which takes a hostile
 /// formula and its derivatives, they are allocated.) Copies share the code; evaluation from several threads is safe.
 class ExpressionProgram {
@@ -90,19 +115,24 @@ class ExpressionProgram {
   ExpressionProgram();  ///< The constant 0 of no inputs.
 
   /// `inputs[i]` is the name whose value stands at `values[i]`. Throws `std::invalid_argument` for a name that is no
-  /// input.
+  /// input. Cost: linear in the sizes of the formulas and the number of inputs.
   ExpressionProgram(const Expression& expression, std::span<const std::string> inputs);
+  ExpressionProgram(std::span<const Expression> outputs, std::span<const std::string> inputs);
 
-  /// Outside a function's domain (log of -1) the value is NaN or infinite. Cost: linear in the size of the formula.
-  double evaluate(const double* values) const;
+  /// The value of a program of one output; throws `std::invalid_argument` for any other. Outside a function's domain
+  /// (log of -1) the value is NaN or infinite. Cost: linear in the size of the formula.
+  double evaluate(const double* inputs) const;
 
-  int register_count() const { return register_count_; }
+  /// Writes `output_count()` values, in the order of the formulas. `outputs` may be the same array as `inputs`.
+  void evaluate(const double* inputs, double* outputs) const;
+
+  int output_count() const;
+  int register_count() const;
   int instruction_count() const;
 
  private:
-  struct Instruction;
-  std::shared_ptr<const std::vector<Instruction>> code_;
-  int register_count_ = 1;
+  struct Code;
+  std::shared_ptr<const Code> code_;
 };
 
 }  // namespace ferrers

@@ -1,106 +1,14 @@
-#include <bit>
-#include <cmath>
-#include <map>
 #include <numbers>
-#include <tuple>
 
 #include "ferrers/math/expression.h"
+#include "ferrers/math/expression_algebra.h"
 #include "ferrers/math/expression_node.h"
 
 namespace ferrers {
 namespace {
 
 using Op = ExpressionOp;
-
-/// Builds nodes in simplest form, each operation on the same operands once.
-class Algebra {
- public:
-  explicit Algebra(const ExpressionTree& tree) : tree_(tree) {}
-
-  const ExpressionNode& node(int index) const { return builder_.node(index); }
-  bool is_constant(int index) const { return node(index).op == Op::kLiteral || node(index).op == Op::kPi; }
-  bool is(int index, double value) const { return is_constant(index) && node(index).value == value; }
-  std::shared_ptr<const ExpressionTree> finish(int root) { return builder_.finish(root, tree_.at); }
-
-  int number(double value) {
-    return unique(Op::kLiteral, {-1, -1, -1}, value, -1, [&] { return builder_.literal(value); });
-  }
-
-  /// A leaf of the tree being differentiated. Quantities keep their unit.
-  int leaf(const ExpressionNode& source) {
-    ExpressionNode copy = source;
-    if (copy.text >= 0) copy.text = builder_.text(tree_.texts[copy.text]);
-    return unique(copy.op, copy.args, copy.value, copy.text, [&] { return builder_.add(copy); });
-  }
-
-  int make(Op op, int a, int b = -1, int c = -1) {
-    if (const int simple = simplified(op, a, b, c); simple >= 0) return simple;
-    if (is_constant(a) && (b < 0 || is_constant(b)) && op != Op::kIf) {
-      const double value = apply_expression_op(op, node(a).value, b < 0 ? 0 : node(b).value, 0);
-      if (std::isfinite(value)) return number(value);
-    }
-    ExpressionNode made;
-    made.op = op;
-    made.args = {a, b, c};
-    return unique(op, made.args, 0, -1, [&] { return builder_.add(made); });
-  }
-
-  int negate(int a) { return make(Op::kNegate, a); }
-  int add(int a, int b) { return make(Op::kAdd, a, b); }
-  int subtract(int a, int b) { return make(Op::kSubtract, a, b); }
-  int multiply(int a, int b) { return make(Op::kMultiply, a, b); }
-  int divide(int a, int b) { return make(Op::kDivide, a, b); }
-  int square(int a) { return make(Op::kPower, a, number(2)); }
-  int choose(Op comparison, int a, int b, int then_value, int else_value) {
-    return then_value == else_value ? then_value : make(Op::kIf, make(comparison, a, b), then_value, else_value);
-  }
-
- private:
-  /// The rules that need no arithmetic; -1 when none fits.
-  int simplified(Op op, int a, int b, int c) {
-    switch (op) {
-      case Op::kNegate:
-        return node(a).op == Op::kNegate ? node(a).args[0] : -1;
-      case Op::kAdd:
-        if (is(a, 0)) return b;
-        if (is(b, 0)) return a;
-        return node(b).op == Op::kNegate ? subtract(a, node(b).args[0]) : -1;
-      case Op::kSubtract:
-        if (is(b, 0)) return a;
-        if (is(a, 0)) return negate(b);
-        return node(b).op == Op::kNegate ? add(a, node(b).args[0]) : -1;
-      case Op::kMultiply:
-        if (is(a, 0) || is(b, 0)) return number(0);
-        if (is(a, 1)) return b;
-        if (is(b, 1)) return a;
-        if (is(a, -1)) return negate(b);
-        return is(b, -1) ? negate(a) : -1;
-      case Op::kDivide:
-        if (is(a, 0) && !is(b, 0)) return number(0);
-        return is(b, 1) ? a : -1;
-      case Op::kPower:
-        if (is(b, 0)) return number(1);
-        return is(b, 1) ? a : -1;
-      case Op::kIf:
-        if (b == c) return b;
-        if (!is_constant(a)) return -1;
-        return node(a).value != 0 ? b : c;
-      default:
-        return -1;
-    }
-  }
-
-  template <class Make>
-  int unique(Op op, const std::array<int, 3>& args, double value, int text, Make make_node) {
-    const auto key = std::tuple(op, args, std::bit_cast<std::uint64_t>(value), text);
-    const auto found = made_.find(key);
-    return found != made_.end() ? found->second : made_.emplace(key, make_node()).first->second;
-  }
-
-  const ExpressionTree& tree_;
-  ExpressionTreeBuilder builder_;
-  std::map<std::tuple<Op, std::array<int, 3>, std::uint64_t, int>, int> made_;
-};
+using Algebra = ExpressionAlgebra;
 
 /// f' of an elementary function, as a formula of u and of f(u) itself.
 int outer_derivative(Algebra& x, Op op, int u, int f) {
@@ -189,12 +97,12 @@ int binary_derivative(Algebra& x, Op op, int u, int w, int du, int dw, int f) {
 }  // namespace
 
 Expression Expression::derivative(std::string_view name) const {
-  Algebra algebra(*tree_);
+  Algebra algebra(Algebra::Zeros::kRemove);
   std::vector<int> value, slope;  // Per node of this tree: the node itself, and its derivative.
   for (const ExpressionNode& node : tree_->nodes) {
     const auto [a, b, c] = node.args;
     if (node.is_leaf()) {
-      value.push_back(algebra.leaf(node));
+      value.push_back(algebra.leaf(*tree_, node));
       slope.push_back(algebra.number(node.op == Op::kVariable && tree_->texts[node.text] == name ? 1 : 0));
       continue;
     }
@@ -214,7 +122,7 @@ Expression Expression::derivative(std::string_view name) const {
       slope.push_back(algebra.multiply(outer_derivative(algebra, node.op, u, f), slope[a]));
     }
   }
-  return Expression(algebra.finish(slope.back()));
+  return Expression(algebra.finish(slope.back(), tree_->at));
 }
 
 }  // namespace ferrers

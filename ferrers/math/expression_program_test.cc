@@ -1,4 +1,6 @@
 #include <gtest/gtest.h>
+#include <rapidcheck.h>
+#include <rapidcheck/gtest.h>
 
 #include <cmath>
 #include <stdexcept>
@@ -48,15 +50,14 @@ TEST(ExpressionProgramTest, RegistersAreReused) {
 TEST(ExpressionProgramTest, ProgramsOfAnySizeGiveTheSameValue) {
   // Sums nested to the right keep a register per level open: a small, a large and an allocated register file.
   constexpr int kLevels = 50;
-  std::string text = "a";
-  for (int i = 0; i < kLevels; ++i) text = "cos(x) + (" + text + ")";
-  const Expression block = parsed(text);
   const std::vector<std::string> inputs{"x"};
   const double x = 0;
   for (const int blocks : {1, 4, 90}) {
     Expression e = parsed("x");
     for (int i = 0; i < blocks; ++i) {
-      e = block.substitute([&](std::string_view name) { return name == "a" ? std::optional(e) : std::nullopt; });
+      std::string text = "a";
+      for (int k = 0; k < kLevels; ++k) text = "cos(" + std::to_string(i * kLevels + k) + "*x) + (" + text + ")";
+      e = parsed(text).substitute([&](std::string_view name) { return name == "a" ? std::optional(e) : std::nullopt; });
     }
     const ExpressionProgram program(e, inputs);
     EXPECT_GE(program.register_count(), blocks * kLevels);
@@ -71,6 +72,63 @@ TEST(ExpressionProgramTest, SharedPartsAreComputedOnce) {
   const std::vector<std::string> inputs{"x"};
   const ExpressionProgram program(parsed(nested).derivative("x").derivative("x"), inputs);
   EXPECT_LT(program.instruction_count(), 2000);
+}
+
+TEST(ExpressionProgramTest, SeveralFormulasAreOneProgram) {
+  const std::vector<std::string> inputs{"x", "y"};
+  const std::vector<Expression> outputs{parsed("x*y"), parsed("y"), parsed("3"), parsed("sin(y*x) + 3"), parsed("x*y")};
+  const ExpressionProgram program(outputs, inputs);
+  ASSERT_EQ(program.output_count(), 5);
+  const double values[] = {2, 5};
+  double results[5];
+  program.evaluate(values, results);
+  EXPECT_EQ(results[0], 10);
+  EXPECT_EQ(results[1], 5);
+  EXPECT_EQ(results[2], 3);
+  EXPECT_EQ(results[3], std::sin(10) + 3);
+  EXPECT_EQ(results[4], 10);
+}
+
+TEST(ExpressionProgramTest, OutputsMayTakeThePlaceOfTheInputs) {
+  const std::vector<std::string> inputs{"x", "y"};
+  const std::vector<Expression> outputs{parsed("y"), parsed("x")};
+  double values[] = {2, 5};
+  ExpressionProgram(outputs, inputs).evaluate(values, values);
+  EXPECT_EQ(values[0], 5);
+  EXPECT_EQ(values[1], 2);
+}
+
+TEST(ExpressionProgramTest, WhatSeveralFormulasShareIsComputedOnce) {
+  const std::vector<std::string> inputs{"x", "y"};
+  const std::vector<Expression> outputs{parsed("sin(x*y)*exp(x)"), parsed("exp(x)*sin(y*x)"), parsed("sin(x*y) - y")};
+  EXPECT_EQ(ExpressionProgram(outputs, inputs).instruction_count(), 5);
+}
+
+TEST(ExpressionProgramTest, WhatDependsOnNoInputIsComputedBeforehand) {
+  const std::vector<std::string> inputs{"x"};
+  EXPECT_EQ(ExpressionProgram(parsed("x + sin(2)*3^2 - if(1 < 2, 0, x)"), inputs).instruction_count(), 1);
+}
+
+TEST(ExpressionProgramTest, NoFormulaIsAProgramToo) {
+  const ExpressionProgram program(std::span<const Expression>(), {});
+  EXPECT_EQ(program.output_count(), 0);
+  program.evaluate(nullptr, nullptr);
+  EXPECT_THROW(program.evaluate(nullptr), std::invalid_argument);
+}
+
+RC_GTEST_PROP(ExpressionProgramTest, AProgramOfSeveralGivesWhatEachGivesAlone, ()) {
+  std::vector<Expression> outputs;
+  for (int i = 0; i < 4; ++i) outputs.push_back(parsed(expression_testing::random_formula(4)));
+  for (int i = 0; i < 4; ++i) outputs.push_back(outputs[static_cast<std::size_t>(i)].derivative("x"));
+  const std::vector<std::string> inputs{"x", "y"};
+  const double values[] = {*rc::gen::inRange(-300, 300) * 0.01, *rc::gen::inRange(-300, 300) * 0.01};
+  const ExpressionProgram together(outputs, inputs);
+  double results[8];
+  together.evaluate(values, results);
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    const double alone = ExpressionProgram(outputs[i], inputs).evaluate(values);
+    RC_ASSERT(results[i] == alone || (std::isnan(results[i]) && std::isnan(alone)));
+  }
 }
 
 }  // namespace
