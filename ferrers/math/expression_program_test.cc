@@ -6,7 +6,9 @@
 #include <stdexcept>
 
 #include "ferrers/math/expression.h"
+#include "ferrers/testing/andrews_formulas.h"
 #include "ferrers/testing/random_formula.h"
+#include "ferrers/testing/random_source.h"
 
 namespace ferrers {
 namespace {
@@ -128,6 +130,23 @@ RC_GTEST_PROP(ExpressionProgramTest, AProgramOfSeveralGivesWhatEachGivesAlone, (
   for (std::size_t i = 0; i < outputs.size(); ++i) {
     const double alone = ExpressionProgram(outputs[i], inputs).evaluate(values);
     RC_ASSERT(results[i] == alone || (std::isnan(results[i]) && std::isnan(alone)));
+  }
+}
+
+TEST(ExpressionProgramTest, AMechanismsEquationsAreThoseFoundOnPaper) {
+  using namespace witness;
+  for (const AndrewsEnergy energy : {AndrewsEnergy::kAngles, AndrewsEnergy::kCentres}) {
+    const ExpressionProgram program(andrews_formulas(energy), andrews_inputs());
+    RandomSource random(7);
+    for (int pose = 0; pose < 20; ++pose) {
+      double inputs[2 * kAndrewsCoordinates], got[kAndrewsOutputs], wanted[kAndrewsOutputs];
+      for (double& input : inputs) input = random.between(-3, 3);
+      program.evaluate(inputs, got);
+      compute_andrews_by_hand(inputs, wanted);
+      for (int i = 0; i < kAndrewsOutputs; ++i) {
+        EXPECT_NEAR(got[i], wanted[i], 1e-14 + 1e-12 * std::abs(wanted[i])) << "output " << i;
+      }
+    }
   }
 }
 
