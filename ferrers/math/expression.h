@@ -58,7 +58,15 @@ class Expression {
   /// The exact derivative with respect to a name, lightly simplified, with common subexpressions shared. A kink (abs at
   /// 0, min, if) gives one side's value; a jump (sign, floor) counts as flat; where the true derivative is unbounded or
   /// undefined (sqrt at 0, hypot at the origin) its value is infinite or NaN. Cost: O(size).
+  ///
+  /// A term that does not depend on the name counts as 0 even where it has no value, and what cancels (x − x,
+  /// sin(x)² + cos(x)² − 1) is gone.
   Expression derivative(std::string_view name) const;
+
+  /// The rate of change where names change at given rates: Σ ∂/∂name · rate_of(name), over the names for which
+  /// `rate_of` returns one; the others are constant. Done in one go, it is shorter than the sum of the derivatives.
+  /// With q_j ↦ v_j the velocity of a quantity; of a constraint row that is G v, and the rate of G v again is −gamma.
+  Expression rate(const std::function<std::optional<Expression>(std::string_view)>& rate_of) const;
 
   /// The same formula in simplest form: factors and terms gathered, numbers worked out, equal parts shared. Its value
   /// is that of this formula up to rounding; where that is NaN or infinite (0*x at x = 1/0), so is this one. Cost:
@@ -92,8 +100,8 @@ class Expression {
   friend class ExpressionOperators;
 };
 
-/// Sums, differences, products and quotients of formulas, in simplest form: 0 + x is x, 1*x is x, 0*x is 0 whatever x
-/// is worth, numbers are worked out. Equal parts of both are shared. Cost: the size of both.
+/// Sums, differences, products and quotients of formulas, in simplest form: 0 + x is x, 1*x is x, 0*x and x - x are 0
+/// whatever x is worth, numbers are worked out. Equal parts of both are shared. Cost: the size of both.
 Expression operator+(const Expression& a, const Expression& b);
 Expression operator-(const Expression& a, const Expression& b);
 Expression operator*(const Expression& a, const Expression& b);
@@ -107,9 +115,12 @@ Expression sum_of(std::span<const Expression> terms);
 /// Formulas as straight-line code over an array of inputs; common subexpressions are computed once, also those that
 /// several formulas share.
 ///
-/// Each value is that of the formula's operations as they are written, to the last bit (but for the sign of NaN).
-/// Evaluation allocates nothing: its registers stand on the stack. (Beyond 4096 registers, which takes a hostile
-/// formula and its derivatives, they are allocated.) Copies share the code; evaluation from several threads is safe.
+/// Each value is that of the formula's operations as they are written, to the last bit (but for the sign of NaN); small
+/// whole powers are products. Mass matrix, forces, constraints, Jacobian and gamma of Andrews' squeezer, differentiated
+/// from its energies, take 0.31 µs, and 0.15 µs by hand (bench/expression_bench.cc).
+///
+/// Evaluation allocates nothing: its registers stand on the stack. (Beyond 4096 registers, which takes hundreds of
+/// outputs or a hostile formula, they are allocated.) Copies share the code; evaluation from several threads is safe.
 class ExpressionProgram {
  public:
   ExpressionProgram();  ///< The constant 0 of no inputs.

@@ -10,10 +10,16 @@
 namespace ferrers {
 
 /// Builds formulas in simplest form, each operation on the same operands once. Private to expression*.cc.
+///
+/// Simplest form: a product has its number in front and signs before that; numbers are worked out; equal terms and
+/// factors are gathered as far as one operation sees them (x + x, x*y + x*z, x*x, but not x + y + x). No rule gives a
+/// finite value where the operation as written has none (x - x and x/x stay), save by an intermediate overflow; what
+/// `Zeros` allows is said there.
 class ExpressionAlgebra {
  public:
-  /// What a factor of 0 does. In derivatives and sums built from them, a 0 is there because something does not matter:
-  /// it removes what it multiplies. In a formula that somebody wrote, 0*x must stay, or NaN in x would be hidden.
+  /// What a factor of 0 does. In derivatives and what is built from them, a 0 is there because something does not
+  /// matter: it removes what it multiplies, and x - x is such a 0; sin(x)^2 + cos(x)^2 is 1. In a formula that
+  /// somebody wrote, 0*x must stay, or NaN in x would be hidden.
   enum class Zeros { kRemove, kKeep };
 
   explicit ExpressionAlgebra(Zeros zeros) : zeros_(zeros) {}
@@ -25,9 +31,8 @@ class ExpressionAlgebra {
 
   int number(double value);
   int leaf(const ExpressionTree& tree, const ExpressionNode& source);  ///< Quantities keep their unit.
-  int copy(const ExpressionTree& tree);  ///< A whole formula as it is; the index of its root.
+  int copy(const ExpressionTree& tree);                                ///< A whole formula as it is; its root.
 
-  /// An operation; the rules for it are in expression_algebra.cc.
   int make(ExpressionOp op, int a, int b = -1, int c = -1);
 
   int negate(int a) { return make(ExpressionOp::kNegate, a); }
@@ -50,8 +55,33 @@ class ExpressionAlgebra {
     std::size_t operator()(const Key& key) const;
   };
 
-  int simplified(ExpressionOp op, int a, int b, int c);
+  /// factor * rest; a rest of -1 is 1.
+  struct Scaled {
+    double factor = 1;
+    int rest = -1;
+  };
+
   int unique(const ExpressionNode& node);
+  int operation(ExpressionOp op, int a, int b = -1, int c = -1);  ///< As it is.
+
+  // Each of these returns -1 where no rule fits.
+  int simple(ExpressionOp op, int a, int b, int c);
+  int simple_negation(int a);
+  int simple_sum(ExpressionOp op, int a, int b);
+  int with_common_factor(ExpressionOp op, int a, int b);
+  int simple_product(int a, int b);
+  int product_with_number(int a, int b);
+  int simple_quotient(int a, int b);
+  int simple_power(int a, int b);
+  int simple_function(ExpressionOp op, int a);
+  int simple_choice(int condition, int then_value, int else_value);
+  int product_of_powers(int a, int b);
+
+  bool is_negative(int index) const;  ///< Whether a sign or a negative number stands in front.
+  int opposite(int index);            ///< Of what is negative.
+  Scaled scaled(int index) const;
+  int scale(double factor, int rest);
+  int whole_exponent(int index, int& base) const;
 
   Zeros zeros_;
   ExpressionTreeBuilder builder_;

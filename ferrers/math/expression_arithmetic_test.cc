@@ -53,5 +53,70 @@ TEST(ExpressionArithmeticTest, SimplifyingHidesNoMissingValue) {
   }
 }
 
+TEST(ExpressionArithmeticTest, SimplestFormGathersNumbersSignsTermsAndFactors) {
+  const std::pair<const char*, const char*> cases[] = {
+      {"2*(3*x)", "6 * x"},
+      {"-(2*x)", "-2 * x"},
+      {"x*3", "3 * x"},
+      {"(2*x)*(y*3)", "6 * (x * y)"},
+      {"x + x", "2 * x"},
+      {"2*x - 5*x", "-3 * x"},
+      {"x - x", "x - x"},
+      {"2*x - x*2", "2 * x - 2 * x"},
+      {"x*y - y*x", "x * y - x * y"},
+      {"x*y + x*sin(x)", "x * (y + sin(x))"},
+      {"(x - y) - (y - x)", "2 * (x - y)"},
+      {"(-x)*y", "-(x * y)"},
+      {"(-x)*(-y)", "x * y"},
+      {"x + -3*y", "x - 3 * y"},
+      {"-x + y", "y - x"},
+      {"-x - y", "-(x + y)"},
+      {"-(x - y)", "y - x"},
+      {"x - -y", "x + y"},
+      {"x + -2", "x - 2"},
+      {"x/3", "x / 3"},
+      {"x/-3", "-(x / 3)"},
+      {"6*x/3", "2 * x"},
+      {"3*(x/2)", "1.5 * x"},
+      {"2*x/(4*y)", "0.5 * (x / y)"},
+      {"1/(4*y)", "0.25 / y"},
+      {"-x/-y", "x / y"},
+      {"x*(1/y)", "x / y"},
+      {"x/x", "x / x"},
+      {"x*x", "x^2"},
+      {"y*x*x", "y * x^2"},
+      {"x^2*x", "x^3"},
+      {"x^2*x^2", "x^4"},
+      {"x^3*x^2", "x^3 * x^2"},
+      {"x^2/x", "x^2 / x"},
+      {"x^2*x^-2", "x^2 * x^-2"},
+      {"x^0.5*x^0.5", "(x^0.5)^2"},
+      {"(x^2)^3", "x^6"},
+      {"(x^0.5)^2", "(x^0.5)^2"},
+      {"(-x)^2", "x^2"},
+      {"(-x)^3", "-x^3"},
+      {"(3*x)^2", "9 * x^2"},
+      {"x^y*x", "x^y * x"},
+      {"sin(-x)", "-sin(x)"},
+      {"cos(-2*x)", "cos(2 * x)"},
+      {"sin(x)^2 + cos(x)^2", "sin(x)^2 + cos(x)^2"},
+      {"min(x, x)", "x"},
+      {"5 mm*x*1", "5 mm * x"},
+      {"0 + 2 deg", "2 deg"},
+      {"1e300*(1e300*x)", "1e+300 * (1e+300 * x)"},
+      {"1e-300*(1e-300*x)", "1e-300 * (1e-300 * x)"},
+      {"0*x + y", "0 * x + y"},
+      {"x*0", "0 * x"},
+  };
+  for (const auto& [formula, simplest] : cases)
+    EXPECT_EQ(parsed(formula).simplified().to_string(), simplest) << formula;
+}
+
+TEST(ExpressionArithmeticTest, WhatCancelsInADerivativeIsGone) {
+  EXPECT_EQ((parsed("x*y") - parsed("y*x")).to_string(), "0");
+  EXPECT_EQ((parsed("x - y") + parsed("y - x")).to_string(), "0");
+  EXPECT_EQ(parsed("(v*sin(x))^2 + (v*cos(x))^2").derivative("v").to_string(), "2 * v");
+}
+
 }  // namespace
 }  // namespace ferrers

@@ -1,4 +1,6 @@
 #include <numbers>
+#include <span>
+#include <vector>
 
 #include "ferrers/math/expression.h"
 #include "ferrers/math/expression_algebra.h"
@@ -94,35 +96,72 @@ int binary_derivative(Algebra& x, Op op, int u, int w, int du, int dw, int f) {
   }
 }
 
+/// Differentiates every node of a tree, operands first. `rate_of_text[k]`: the derivative of the name that is text k,
+/// or -1 where that does not change.
+int derivative_of(Algebra& algebra, const ExpressionTree& tree, std::span<const int> rate_of_text) {
+  const auto& nodes = tree.nodes;
+  std::vector<bool> changes(nodes.size(), false), is_needed(nodes.size(), false);
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const ExpressionNode& node = nodes[i];
+    if (node.op == Op::kVariable) changes[i] = rate_of_text[node.text] >= 0;
+    for (const int arg : node.args) changes[i] = changes[i] || (arg >= 0 && changes[arg]);
+  }
+  // Sums need no values of their operands; whatever else changes may need its own and theirs.
+  for (std::size_t i = nodes.size(); i-- > 0;) {
+    const ExpressionNode& node = nodes[i];
+    const bool is_sum = node.op == Op::kAdd || node.op == Op::kSubtract || node.op == Op::kNegate;
+    if (changes[i] && !is_sum && !node.is_leaf()) is_needed[i] = true;
+    if (!is_needed[i]) continue;
+    for (const int arg : node.args) {
+      if (arg >= 0) is_needed[arg] = true;
+    }
+  }
+  const int zero = algebra.number(0);
+  std::vector<int> value(nodes.size(), -1), slope(nodes.size(), zero);
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const ExpressionNode& node = nodes[i];
+    const auto [a, b, c] = node.args;
+    const auto value_of = [&value](int arg) { return arg < 0 ? -1 : value[arg]; };
+    const int u = value_of(a), w = value_of(b);
+    if (is_needed[i]) value[i] = node.is_leaf() ? algebra.leaf(tree, node) : algebra.make(node.op, u, w, value_of(c));
+    if (!changes[i]) continue;
+    if (node.op == Op::kVariable) {
+      slope[i] = rate_of_text[node.text];
+    } else if (node.op == Op::kIf) {
+      const bool is_flat = algebra.is(slope[b], 0) && algebra.is(slope[c], 0);
+      slope[i] = is_flat ? zero : algebra.make(Op::kIf, u, slope[b], slope[c]);
+    } else if (node.op == Op::kNegate) {
+      slope[i] = algebra.negate(slope[a]);
+    } else if (algebra.is(slope[a], 0) && (b < 0 || algebra.is(slope[b], 0))) {
+      slope[i] = zero;
+    } else if (b >= 0) {
+      slope[i] = binary_derivative(algebra, node.op, u, w, slope[a], slope[b], value[i]);
+    } else {
+      slope[i] = algebra.multiply(outer_derivative(algebra, node.op, u, value[i]), slope[a]);
+    }
+  }
+  return slope.back();
+}
+
 }  // namespace
 
 Expression Expression::derivative(std::string_view name) const {
   Algebra algebra(Algebra::Zeros::kRemove);
-  std::vector<int> value, slope;  // Per node of this tree: the node itself, and its derivative.
+  std::vector<int> rates;
+  for (const std::string& text : tree_->texts) rates.push_back(text == name ? algebra.number(1) : -1);
+  return Expression(algebra.finish(derivative_of(algebra, *tree_, rates), tree_->at));
+}
+
+Expression Expression::rate(const std::function<std::optional<Expression>(std::string_view)>& rate_of) const {
+  Algebra algebra(Algebra::Zeros::kRemove);
+  constexpr int kUnasked = -2;
+  std::vector<int> rates(tree_->texts.size(), kUnasked);
   for (const ExpressionNode& node : tree_->nodes) {
-    const auto [a, b, c] = node.args;
-    if (node.is_leaf()) {
-      value.push_back(algebra.leaf(*tree_, node));
-      slope.push_back(algebra.number(node.op == Op::kVariable && tree_->texts[node.text] == name ? 1 : 0));
-      continue;
-    }
-    const int u = value[a], w = b < 0 ? -1 : value[b];
-    const int f = algebra.make(node.op, u, w, c < 0 ? -1 : value[c]);
-    value.push_back(f);
-    const auto flat = [&](int arg) { return arg < 0 || algebra.is(slope[arg], 0); };
-    if (node.op == Op::kIf ? flat(b) && flat(c) : flat(a) && flat(b)) {
-      slope.push_back(algebra.number(0));
-    } else if (node.op == Op::kIf) {
-      slope.push_back(algebra.make(Op::kIf, u, slope[b], slope[c]));
-    } else if (node.op == Op::kNegate) {
-      slope.push_back(algebra.negate(slope[a]));
-    } else if (b >= 0) {
-      slope.push_back(binary_derivative(algebra, node.op, u, w, slope[a], slope[b], f));
-    } else {
-      slope.push_back(algebra.multiply(outer_derivative(algebra, node.op, u, f), slope[a]));
-    }
+    if (node.op != Op::kVariable || rates[node.text] != kUnasked) continue;
+    const std::optional<Expression> rate = rate_of(tree_->texts[node.text]);
+    rates[node.text] = rate ? algebra.copy(*rate->tree_) : -1;
   }
-  return Expression(algebra.finish(slope.back(), tree_->at));
+  return Expression(algebra.finish(derivative_of(algebra, *tree_, rates), tree_->at));
 }
 
 }  // namespace ferrers

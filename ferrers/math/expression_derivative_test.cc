@@ -146,5 +146,16 @@ TEST(ExpressionDerivativeTest, DerivativesOfHostileFormulasStaySmall) {
   EXPECT_NEAR(value_at(parsed(product).derivative("x").derivative("x"), 1, 0), 4001.0 * 4000.0, 1e-3);
 }
 
+TEST(ExpressionDerivativeTest, ARateFollowsNamesThatChange) {
+  const auto rate = [](std::string_view name) -> std::optional<Expression> {
+    if (name == "x") return parsed("vx");
+    if (name == "y") return parsed("2*x");
+    return std::nullopt;
+  };
+  EXPECT_EQ(parsed("x*c").rate(rate).to_string(), "vx * c");
+  EXPECT_EQ(parsed("sin(x + y)").rate(rate).to_string(), "cos(x + y) * (vx + 2 * x)");
+  EXPECT_EQ(parsed("c^2").rate(rate).to_string(), "0");
+}
+
 }  // namespace
 }  // namespace ferrers

@@ -111,13 +111,19 @@ int ExpressionGraph::quotient(int a, int b) {
   return unique({Op::kDivide, {a, b, -1}, 0});
 }
 
-/// As `apply_expression_op` computes it.
+/// As `power_of` computes it.
 int ExpressionGraph::power(int a, int b) {
   if (values_[b].is_constant()) {
     const double exponent = values_[b].constant;
     if (exponent == 0) return constant(1);
     if (exponent == 1) return a;
-    if (exponent == 2) return product(a, a);
+    if (std::abs(exponent) <= 4 && exponent != -3 && exponent != -4 && exponent == std::floor(exponent)) {
+      const int square = product(a, a);
+      if (exponent == 2) return square;
+      if (exponent == 3) return product(square, a);
+      if (exponent == 4) return product(square, square);
+      return quotient(constant(1), exponent == -1 ? a : square);
+    }
   }
   return unique({Op::kPower, {a, b, -1}, 0});
 }

@@ -33,6 +33,8 @@ TEST(ExpressionTest, OperatorsBindAsInMathematics) {
   EXPECT_EQ(value_of("-3^2"), -9);
   EXPECT_EQ(value_of("(-3)^2"), 9);
   EXPECT_EQ(value_of("2^-1"), 0.5);
+  EXPECT_EQ(value_of("3^3 + 3^4*100 + 2^5*10000"), 328127);
+  EXPECT_EQ(value_of("4^-2 + 0^0"), 1.0625);
   EXPECT_EQ(value_of("2*-3"), -6);
   EXPECT_EQ(value_of("- -+3"), 3);
   EXPECT_EQ(value_of(" ( 1+1 ) * .5e+1 "), 10);

@@ -75,11 +75,12 @@ Expression formula(const char* text) {
 
 /// d/dt at constant rates.
 Expression rate_of(const Expression& quantity) {
-  std::vector<Expression> terms;
-  for (int j = 0; j < kAndrewsCoordinates; ++j) {
-    terms.push_back(quantity.derivative(kAngles[j]) * Expression::variable(kRates[j]));
-  }
-  return sum_of(terms);
+  return quantity.rate([](std::string_view name) -> std::optional<Expression> {
+    for (int j = 0; j < kAndrewsCoordinates; ++j) {
+      if (name == kAngles[j]) return Expression::variable(kRates[j]);
+    }
+    return std::nullopt;
+  });
 }
 
 Expression kinetic_energy(AndrewsEnergy energy) {
