@@ -74,6 +74,8 @@ const std::vector<DiagnosticCode>& diagnostic_codes() {
       {"F333", "mass properties worth a look"},
       {"F334", "weight of a drive"},
       {"F335", "viscous friction"},
+      {"F336", "constraint"},
+      {"F337", "energies of a Lagrangian system"},
       {"F401", "formula cannot be read"},
       {"F402", "unknown function in a formula"},
       {"F403", "unknown name in a formula"},

@@ -1,6 +1,9 @@
 #include "ferrers/dynamics/dynamics_model.h"
 
+#include <algorithm>
+
 #include "ferrers/dynamics/friction.h"
+#include "ferrers/dynamics/lagrangian_terms.h"
 
 namespace ferrers {
 namespace {
@@ -39,8 +42,10 @@ class Binder {
     bind_friction();
     for (std::size_t d = 0; d < model().drives().size(); ++d) bind_drive(DriveId(d));
     for (const Event& event : model().events()) model_->events.push_back(bind_law(event.when));
+    for (const RecordedFormula& one : model().recorded_formulas()) model_->recorded.push_back(bind_law(one.law));
+    bind_lagrangian();
     model_->has_forces = !model_->springs.empty() || !model_->torsion_springs.empty() || !model_->bushings.empty() ||
-                         !model_->loads.empty();
+                         !model_->loads.empty() || model_->lagrangian.has_forces;
     return model_;
   }
 
@@ -52,6 +57,7 @@ class Binder {
     model_->inertias.resize(system().nodes.size());
     for (std::size_t i = 1; i < system().nodes.size(); ++i) {
       const Node& node = system().nodes[i];
+      if (!node.type->carries_body) continue;
       const Body& body = model().body(node.body);
       NodeInertia& inertia = model_->inertias[i];
       inertia.mass_kg = body.mass_kg;
@@ -59,6 +65,33 @@ class Binder {
       inertia.I_N = node.X_BN.R.transpose() * body.inertia_kgm2 * node.X_BN.R;
       if (!body.has_mass) model_->massless_bodies.push_back(body.name);
     }
+  }
+
+  void bind_lagrangian() {
+    const Lagrangian& lagrangian = model().lagrangian();
+    if (!lagrangian.any()) return;
+    BoundLagrangian& bound = model_->lagrangian;
+    std::vector<std::string> inputs = lagrangian.values;
+    inputs.insert(inputs.end(), lagrangian.rates.begin(), lagrangian.rates.end());
+    inputs.emplace_back("t");
+    for (const StateScalar& scalar : lagrangian.scalars) {
+      bound.scalars.push_back(system().scalar_access(scalar));
+      bound.in_tree = bound.in_tree && bound.scalars.back().in_tree;
+    }
+    std::vector<Expression> inertia;
+    for (const Lagrangian::MassEntry& entry : lagrangian.mass) {
+      bound.mass.emplace_back(entry.row, entry.column);
+      inertia.push_back(entry.value);
+    }
+    inertia.insert(inertia.end(), lagrangian.bias.begin(), lagrangian.bias.end());
+    bound.mass_pattern = lagrangian_mass_pattern(system());
+    bound.inertia = ExpressionProgram(inertia, inputs);
+    bound.force = ExpressionProgram(lagrangian.force, inputs);
+    const std::vector<Expression> energy = {lagrangian.kinetic_part, lagrangian.potential_part,
+                                            lagrangian.power_of_time};
+    bound.energy = ExpressionProgram(energy, inputs);
+    bound.has_forces = lagrangian.has_forces();
+    bound.power_of_time = lagrangian.power_of_time.constant_value() != 0.0;
   }
 
   BoundLaw bind_law(const Law& law) {
@@ -69,7 +102,7 @@ class Binder {
     for (const LawInput& input : law.inputs()) {
       bound.kinds.push_back(input.kind);
       bound.accesses.push_back(input.kind == LawInput::Kind::kTime ? CoordinateAccess()
-                                                                   : system().access(input.coordinate));
+                                                                   : system().scalar_access(input.scalar));
     }
     return bound;
   }
@@ -143,12 +176,14 @@ class Binder {
       c.component = i;
       c.kind = drive.kind;
       c.weight = drive.weight;
+      c.acts = drive.acts;
       if (drive.kind == Drive::Kind::kCoordinate) {
         c.coordinate = drive.coordinate;
         c.access = system().access(drive.coordinate);
         const Joint& joint = model().joint(drive.coordinate.joint);
-        const CoordinateKind kind = joint_type_info(joint.type).coordinates[drive.coordinate.index].kind;
-        c.rotary = kind == CoordinateKind::kAngle || kind == CoordinateKind::kRotationRate;
+        c.rotary = joint_type_info(joint.type).coordinates[drive.coordinate.index].is_angular();
+      } else if (drive.kind == Drive::Kind::kFormula) {
+        c.formula = make_formula_block(system(), *drive.relation, drive.scalars);
       } else {
         const BodyId first = drive.kind == Drive::Kind::kPoint ? kGround : drive.first;
         const Vector3d p_1 = drive.kind == Drive::Kind::kPoint ? Vector3d(0, 0, 0) : drive.point_1_m;
@@ -170,10 +205,33 @@ std::shared_ptr<const DynamicsModel> make_dynamics_model(std::shared_ptr<const S
   return Binder(std::move(system)).bind();
 }
 
+FormulaEvaluation make_lagrangian_evaluation(const BoundLagrangian& bound) {
+  const std::size_t count = bound.scalars.size();
+  const int outputs = std::max(bound.inertia.output_count(), bound.force.output_count());
+  return {std::vector<Jet>(count), std::vector<double>(2 * count + 1),
+          std::vector<double>(static_cast<std::size_t>(outputs))};
+}
+
+FormulaEvaluation make_drive_evaluation(const DynamicsModel& model) {
+  FormulaEvaluation largest;
+  for (const DriveComponent& drive : model.drives) {
+    if (drive.kind != Drive::Kind::kFormula) continue;
+    const FormulaEvaluation one = make_formula_evaluation(drive.formula);
+    if (one.jets.size() > largest.jets.size()) largest.jets = one.jets;
+    if (one.inputs.size() > largest.inputs.size()) largest.inputs = one.inputs;
+    if (one.outputs.size() > largest.outputs.size()) largest.outputs = one.outputs;
+  }
+  return largest;
+}
+
 Jet measure_drive(const DynamicsModel& model, const DriveComponent& drive, const State& state,
-                  const PositionKinematics& pos, const VelocityKinematics& vel) {
+                  const PositionKinematics& pos, const VelocityKinematics& vel, FormulaEvaluation& work) {
   if (drive.kind == Drive::Kind::kCoordinate) {
     return measure_coordinate(*model.system, drive.access, state, pos, vel);
+  }
+  if (drive.kind == Drive::Kind::kFormula) {
+    evaluate_formulas(*model.system, drive.formula, state, pos, vel, work);
+    return formula_jet(drive.formula, drive.formula.rows.front(), work);
   }
   const RelativeMotion m = compute_relative_motion(drive.frames, pos, vel);
   if (drive.kind == Drive::Kind::kPoint) return along_first(m, Vector3d::Unit(drive.component));
@@ -183,9 +241,11 @@ Jet measure_drive(const DynamicsModel& model, const DriveComponent& drive, const
 }
 
 void add_drive_row(const DynamicsModel& model, const DriveComponent& drive, const PositionKinematics& pos,
-                   const Jet& jet, Eigen::Ref<Eigen::RowVectorXd> row) {
+                   const Jet& jet, const FormulaEvaluation& work, Eigen::Ref<Eigen::RowVectorXd> row) {
   if (drive.kind == Drive::Kind::kCoordinate) {
     add_coordinate_row(*model.system, drive.access, pos, jet, 1, row);
+  } else if (drive.kind == Drive::Kind::kFormula) {
+    add_formula_row(*model.system, drive.formula, drive.formula.rows.front(), pos, work, row);
   } else {
     add_jet_row(*model.system, drive.frames, pos, jet.W, 1, row);
   }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "ferrers/kinematics/coordinates.h"
+#include "ferrers/kinematics/formula_rows.h"
 
 /// A system with its inertias, force elements and drives laid out for evaluation. Const; shared.
 namespace ferrers {
@@ -56,7 +57,21 @@ struct BoundFriction {
   std::vector<int> forces, moments;  ///< Reaction components in F that press the parts together, 0-2 and 3-5.
 };
 
-/// One scalar that a drive moves: a joint coordinate, the distance of two points, or a component of a point's position.
+/// Energies and forces by formulas, compiled (dynamics/lagrangian_terms.h).
+struct BoundLagrangian {
+  std::vector<CoordinateAccess> scalars;
+  bool in_tree = true;                            ///< All scalars are entries of q and v.
+  std::vector<std::pair<int, int>> mass;          ///< M_kl that are not always zero, k ≤ l.
+  std::vector<std::pair<int, int>> mass_pattern;  ///< Entries of M that they can reach.
+  ExpressionProgram inertia;                      ///< The M_kl in the order of `mass`, then h_k.
+  ExpressionProgram force;                        ///< Q_k.
+  ExpressionProgram energy;                       ///< Kinetic and potential part, power of time.
+  bool has_forces = false, power_of_time = false;
+};
+FormulaEvaluation make_lagrangian_evaluation(const BoundLagrangian& bound);
+
+/// One scalar that a drive moves: a joint coordinate, the distance of two points, a component of a point's position, or
+/// a quantity by a formula.
 struct DriveComponent {
   std::string name;
   DriveId drive;
@@ -65,12 +80,14 @@ struct DriveComponent {
   JointCoordinate coordinate;
   CoordinateAccess access;  ///< kCoordinate.
   FramePair frames;         ///< kDistance, kPoint: origins of F and M are the points.
+  FormulaBlock formula;     ///< kFormula: one row, s and its gradient d.
+  bool acts = true;         ///< False: its motion is prescribed, but no effort of it is sought (`motions`).
   std::optional<Law> motion;
   std::optional<BoundLaw> effort;
   double weight = 1;    ///< Of its effort where drives share a load.
   bool rotary = false;  ///< Its effort is a torque, N·m.
   /// Whether inverse dynamics finds its effort: a motion is prescribed, or it has no law at all and helps.
-  bool effort_is_sought() const { return motion.has_value() || !effort.has_value(); }
+  bool effort_is_sought() const { return acts && (motion.has_value() || !effort.has_value()); }
 };
 
 struct DynamicsModel {
@@ -84,18 +101,24 @@ struct DynamicsModel {
   int friction_slips = 0;                    ///< nf: slips of all frictions.
   std::vector<DriveComponent> drives;        ///< nu of them.
   std::vector<BoundLaw> events;              ///< Formulas of `Model::events()`.
+  std::vector<BoundLaw> recorded;            ///< Of `Model::recorded_formulas()`.
   std::vector<std::string> massless_bodies;  ///< Bodies without a given mass: dynamics must refuse them.
   std::vector<std::string> unsupported;      ///< What the model asks and the dynamics cannot do, in words.
+  BoundLagrangian lagrangian;
   bool has_forces = false;
   int nu() const { return static_cast<int>(drives.size()); }
 };
 
 std::shared_ptr<const DynamicsModel> make_dynamics_model(std::shared_ptr<const System> system);
 
-/// The scalar a drive moves, as a jet with its frames' wrench; and its row ∂rate/∂v.
+/// Work space for `measure_drive`, enough for every drive of the model.
+FormulaEvaluation make_drive_evaluation(const DynamicsModel& model);
+
+/// The scalar a drive moves, as a jet with its frames' wrench; and its row ∂rate/∂v. A drive by a formula has no wrench
+/// of its own: `work` then holds its gradient and the jets of its scalars, which its row is made of. Allocates nothing.
 Jet measure_drive(const DynamicsModel& model, const DriveComponent& drive, const State& state,
-                  const PositionKinematics& pos, const VelocityKinematics& vel);
+                  const PositionKinematics& pos, const VelocityKinematics& vel, FormulaEvaluation& work);
 void add_drive_row(const DynamicsModel& model, const DriveComponent& drive, const PositionKinematics& pos,
-                   const Jet& jet, Eigen::Ref<Eigen::RowVectorXd> row);
+                   const Jet& jet, const FormulaEvaluation& work, Eigen::Ref<Eigen::RowVectorXd> row);
 
 }  // namespace ferrers

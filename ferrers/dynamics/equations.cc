@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "ferrers/core/checks.h"
+#include "ferrers/dynamics/lagrangian_terms.h"
 
 namespace ferrers {
 
@@ -14,6 +15,19 @@ template <typename Visit>
 void for_each_column(const System& system, const DriveComponent& drive, Visit visit) {
   const bool is_coordinate = drive.kind == Drive::Kind::kCoordinate;
   if (is_coordinate && drive.access.in_tree) return visit(drive.access.v);
+  if (drive.kind == Drive::Kind::kFormula) {
+    for (const CoordinateAccess& access : drive.formula.scalars) {
+      if (access.in_tree) {
+        visit(access.v);
+        continue;
+      }
+      for (const FramePair::PathEntry& entry : system.frames(access).path) {
+        const Node& node = system.nodes[entry.node];
+        for (int k = node.v; k < node.v + node.nv; ++k) visit(k);
+      }
+    }
+    return;
+  }
   const FramePair& frames = is_coordinate ? system.cuts[drive.access.cut].frames : drive.frames;
   for (const FramePair::PathEntry& entry : frames.path) {
     const Node& node = system.nodes[entry.node];
@@ -23,9 +37,9 @@ void for_each_column(const System& system, const DriveComponent& drive, Visit vi
 
 // ∂(rate)/∂v of a drive; entries that are always zero are not written.
 void fill_drive_row(const DynamicsModel& model, const DriveComponent& drive, const PositionKinematics& pos,
-                    const Jet& jet, Eigen::Ref<Eigen::RowVectorXd> row) {
+                    const Jet& jet, const FormulaEvaluation& work, Eigen::Ref<Eigen::RowVectorXd> row) {
   for_each_column(*model.system, drive, [&](int k) { row[k] = 0; });
-  add_drive_row(model, drive, pos, jet, row);
+  add_drive_row(model, drive, pos, jet, work, row);
 }
 
 }  // namespace
@@ -41,6 +55,7 @@ Equations make_equations(const DynamicsModel& model, std::vector<int> driven) {
     std::vector<int> columns;
     for_each_column(system, model.drives[i], [&](int k) { columns.push_back(k); });
     std::sort(columns.begin(), columns.end());
+    columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
     eq.driven_columns.push_back(std::move(columns));
   }
   eq.driven = std::move(driven);
@@ -57,6 +72,11 @@ Equations make_equations(const DynamicsModel& model, std::vector<int> driven) {
     eq.inertias_N.push_back(body.I_N + body.mass_kg * (c.squaredNorm() * Matrix3d::Identity() - c * c.transpose()));
   }
   eq.applied.assign(system.nodes.size(), Wrenches::Zero(6, 1));
+  eq.lagrangian = make_lagrangian_evaluation(model.lagrangian);
+  if (!model.lagrangian.in_tree) {
+    eq.lagrangian_rows = RowMatrixXd::Zero(static_cast<long>(model.lagrangian.scalars.size()), system.nv);
+  }
+  eq.drive_work = make_drive_evaluation(model);
   return eq;
 }
 
@@ -157,17 +177,18 @@ void sweep(const DynamicsModel& model, Equations& eq, bool with_bias) {
 }  // namespace
 
 void compute_driven_rows(const DynamicsModel& model, const State& state, const std::vector<int>& driven,
-                         const PositionKinematics& pos, const VelocityKinematics& vel, ConstraintKinematics& out) {
+                         const PositionKinematics& pos, const VelocityKinematics& vel, FormulaEvaluation& work,
+                         ConstraintKinematics& out) {
   int row = model.system->m;
   for (const int i : driven) {
     const DriveComponent& drive = model.drives[i];
     const Law::Motion law = drive.motion->motion(state.t);
-    const Jet jet = measure_drive(model, drive, state, pos, vel);
+    const Jet jet = measure_drive(model, drive, state, pos, vel, work);
     out.phi[row] = jet.value - law.value;
     out.rate[row] = jet.rate;
     out.nu[row] = law.rate;
     out.gamma[row] = law.acceleration - jet.bias;
-    fill_drive_row(model, drive, pos, jet, out.G.row(row));
+    fill_drive_row(model, drive, pos, jet, work, out.G.row(row));
     ++row;
   }
 }
@@ -177,17 +198,24 @@ void compute_kinematics(const DynamicsModel& model, const State& state, Equation
   compute_positions(system, state.q, out.pos);
   compute_velocities(system, out.pos, state.q, state.v, out.vel);
   compute_constraints(system, state, out.pos, out.vel, out.constraints);
-  compute_driven_rows(model, state, out.driven, out.pos, out.vel, out.constraints);
+  compute_driven_rows(model, state, out.driven, out.pos, out.vel, out.drive_work, out.constraints);
+  read_lagrangian_inputs(model, state, out.pos, out.vel, out.lagrangian);
 }
 
-void compute_mass_and_bias(const DynamicsModel& model, Equations& out) { sweep(model, out, true); }
+void compute_mass_and_bias(const DynamicsModel& model, Equations& out) {
+  clear_lagrangian_mass(model, out.M);
+  sweep(model, out, true);
+  add_lagrangian_inertia(model, out, true);
+}
 
 void compute_mass_matrix(const DynamicsModel& model, Equations& out) {
   for (Equations::Composite& c : out.composites) {
     c.moment.setZero();
     c.force.setZero();
   }
+  clear_lagrangian_mass(model, out.M);
   sweep(model, out, false);
+  add_lagrangian_inertia(model, out, false);
 }
 
 void compute_applied_forces(const DynamicsModel& model, const State& state, Equations& out) {
@@ -197,6 +225,7 @@ void compute_applied_forces(const DynamicsModel& model, const State& state, Equa
   if (model.has_forces) {
     for (Wrenches& w : out.applied) w.setZero();
     compute_force_elements(model, state, out.pos, out.vel, out.applied, out.tau);
+    add_lagrangian_forces(model, out.pos, out.lagrangian, out.applied, out.tau);
     for (int i = static_cast<int>(system.nodes.size()) - 1; i > 0; --i) {
       const Node& node = system.nodes[i];
       const auto w = out.applied[i].col(0);
@@ -209,8 +238,9 @@ void compute_applied_forces(const DynamicsModel& model, const State& state, Equa
   }
   for (int i = 0; i < model.nu(); ++i) {
     const DriveComponent& drive = model.drives[i];
-    const Jet jet = measure_drive(model, drive, state, out.pos, out.vel);
-    fill_drive_row(model, drive, out.pos, jet, out.B_transposed.row(i));
+    if (!drive.acts) continue;
+    const Jet jet = measure_drive(model, drive, state, out.pos, out.vel, out.drive_work);
+    fill_drive_row(model, drive, out.pos, jet, out.drive_work, out.B_transposed.row(i));
     out.u[i] = drive.effort ? drive.effort->evaluate(system, state, out.pos, out.vel) : 0;
   }
   for (const int i : out.driven) out.u[i] = 0;
@@ -223,6 +253,10 @@ void compute_equations(const DynamicsModel& model, const State& state, Equations
   out.force = out.tau - out.h;
   for (int i = 0; i < model.nu(); ++i) {
     if (out.u[i] == 0) continue;
+    if (model.drives[i].kind == Drive::Kind::kFormula) {  // whose columns come more than once
+      out.force += out.u[i] * out.B_transposed.row(i).transpose();
+      continue;
+    }
     for_each_column(*model.system, model.drives[i], [&](int k) { out.force[k] += out.u[i] * out.B_transposed(i, k); });
   }
 }
@@ -252,6 +286,9 @@ Energy compute_energy(const DynamicsModel& model, const State& state, const Posi
     energy.elastic +=
         0.5 * d.dot(b.stiffness.head<3>().cwiseProduct(d)) + 0.5 * theta.dot(b.stiffness.tail<3>().cwiseProduct(theta));
   }
+  const LagrangianEnergy formulas = compute_lagrangian_energy(model, state, pos, vel);
+  energy.kinetic += formulas.kinetic;
+  energy.gravity += formulas.potential;
   return energy;
 }
 

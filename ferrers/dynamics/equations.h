@@ -30,6 +30,9 @@ struct Equations {
   VectorXd force;     ///< tau + B u − h.
 
   // Work space.
+  FormulaEvaluation lagrangian;   ///< Scalars of the energies at this state, and what was evaluated last.
+  RowMatrixXd lagrangian_rows;    ///< Rows of those that are no entries of v.
+  FormulaEvaluation drive_work;   ///< For drives by formulas.
   struct Composite {
     double mass = 0;
     Vector3d first_moment;        ///< Σ m ρ about the node's origin.
@@ -47,9 +50,10 @@ Equations make_equations(const DynamicsModel& model, std::vector<int> driven = {
 /// differ from zero are written: the others are zero since `make_equations`. Cost: O(bodies · depth + rows · loop).
 void compute_equations(const DynamicsModel& model, const State& state, Equations& out);
 
-/// The rows of prescribed drives, after the system's own.
+/// The rows of prescribed drives, after the system's own. `work`: from `make_drive_evaluation`.
 void compute_driven_rows(const DynamicsModel& model, const State& state, const std::vector<int>& driven,
-                         const PositionKinematics& pos, const VelocityKinematics& vel, ConstraintKinematics& out);
+                         const PositionKinematics& pos, const VelocityKinematics& vel, FormulaEvaluation& work,
+                         ConstraintKinematics& out);
 
 /// The parts of `compute_equations`, for callers that know some already.
 void compute_kinematics(const DynamicsModel& model, const State& state, Equations& out);
@@ -60,7 +64,8 @@ void compute_applied_forces(const DynamicsModel& model, const State& state, Equa
 void compute_mass_matrix(const DynamicsModel& model, Equations& out);
 
 struct Energy {
-  double kinetic = 0, gravity = 0, elastic = 0;  ///< J; gravity is zero at the world's origin.
+  /// J. Gravity is zero at the world's origin, and holds the potential energy given by formulas.
+  double kinetic = 0, gravity = 0, elastic = 0;
   double total() const { return kinetic + gravity + elastic; }
 };
 Energy compute_energy(const DynamicsModel& model, const State& state, const PositionKinematics& pos,

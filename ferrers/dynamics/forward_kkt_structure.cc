@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "ferrers/dynamics/forward_kkt.h"
+#include "ferrers/dynamics/lagrangian_terms.h"
 
 namespace ferrers {
 namespace {
@@ -32,7 +33,13 @@ std::vector<std::vector<int>> mass_structure(const System& system) {
       }
     }
   }
-  for (std::vector<int>& coupled : mass) std::sort(coupled.begin(), coupled.end());
+  for (const auto& [a, b] : lagrangian_mass_pattern(system)) {
+    if (a != b) mass[a].push_back(b);
+  }
+  for (std::vector<int>& coupled : mass) {
+    std::sort(coupled.begin(), coupled.end());
+    coupled.erase(std::unique(coupled.begin(), coupled.end()), coupled.end());
+  }
   return mass;
 }
 

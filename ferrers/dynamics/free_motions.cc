@@ -46,7 +46,7 @@ FreeMotions find_free_motions(const System& system, const Scaling& scaling, cons
     const JointTypeInfo& type = joint_type_info(system.model->joints()[j].type);
     for (int k = 0; k < static_cast<int>(type.coordinates.size()); ++k) {
       const bool angle = type.coordinates[k].kind == CoordinateKind::kAngle;
-      if (!angle && type.coordinates[k].kind != CoordinateKind::kDisplacement) continue;
+      if (!type.coordinates[k].is_scalar()) continue;
       const CoordinateAccess access = system.access({JointId(j), k});
       const Jet jet = measure_coordinate(system, access, state, pos, vel);
       Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(system.nv);

@@ -130,7 +130,7 @@ std::string FrictionSolver::names(const std::vector<bool>& which) const {
 MatrixXd FrictionSolver::pressing_loads(const State& state, const Equations& eq, const Selection& selection,
                                         const MotionCases& base, const MotionCases& changes) {
   const System& system = *model_->system;
-  const std::vector<JointFrameWrenches> joints = compute_joint_frame_wrenches(system, state, eq.pos);
+  const JointWrenches joints = compute_joint_frame_wrenches(system, state, eq.pos);
   const long nf = friction_.size();
   MatrixXd all(rows_.size(), 1 + nf);
   all.col(0) =

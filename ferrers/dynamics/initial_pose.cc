@@ -47,7 +47,7 @@ ModelSpec with_initial_pose(ModelSpec spec, const System& system, const State& s
   compute_velocities(system, pos, at_rest.q, at_rest.v, rest);
 
   spec.initial.clear();
-  const int given = static_cast<int>(system.model->joints().size());
+  const int given = static_cast<int>(system.model->coordinates_begin());
   for (const FloatingBody& floating : find_floating_bodies(system)) {
     JointSpec joint;
     joint.type = JointType::kFree;
@@ -58,15 +58,15 @@ ModelSpec with_initial_pose(ModelSpec spec, const System& system, const State& s
   }
   // Joints that carry bodies there: which ones may depend on those added.
   ModelBuildResult built = build_model(spec);
-  require(built.model.has_value() && built.model->joints().size() == spec.joints.size(),
+  require(built.model.has_value() && built.model->coordinates_begin() == spec.joints.size(),
           "with_initial_pose: the specification is not that of the system");
   const auto after = make_system(std::move(*built.model));
   for (std::size_t i = 1; i < after->nodes.size(); ++i) {
     const JointId id = after->topology->forest.nodes[i].joint;
     if (!id.valid() || after->nodes[i].nq == 0) continue;
     const Joint& joint = after->model->joint(id);
-    if (id.index() < given) {
-      const JointMotion motion = measure_joint(system, id, at_rest, still, pos, rest);
+    if (id.index() < given || after->model->is_coordinate(id.index())) {
+      const JointMotion motion = measure_joint(system, *system.model->find_joint(joint.name), at_rest, still, pos, rest);
       spec.initial.push_back(initial_guess(joint.name, motion.q, after->nodes[i].nq));
       continue;
     }

@@ -21,7 +21,7 @@ VelocityTargets read_targets(const DynamicsModel& model, const State& state, con
   for (const InitialValue& initial : system.model->initial()) {
     for (std::size_t i = 0; i < initial.velocity.size(); ++i) {
       const int index = initial.whole_joint ? static_cast<int>(i) : initial.coordinate.index;
-      given.push_back({{initial.coordinate.joint, index}, initial.velocity[i]});
+      given.emplace_back(JointCoordinate{initial.coordinate.joint, index}, initial.velocity[i]);
     }
   }
   VelocityTargets targets{RowMatrixXd::Zero(static_cast<long>(given.size()), system.nv),
@@ -43,9 +43,7 @@ VelocityTargets read_targets(const DynamicsModel& model, const State& state, con
       W.segment<3>(coordinate.index < 3 ? 0 : 3) = m.R_F.col(coordinate.index % 3);
       add_jet_row(system, frames, eq.pos, W, 1, targets.D.row(row));
     }
-    const CoordinateKind kind = type.coordinates[coordinate.index].kind;
-    const bool angular = kind == CoordinateKind::kAngle || kind == CoordinateKind::kRotationRate;
-    const double scale = angular ? scaling.length_m : 1.0;
+    const double scale = type.coordinates[coordinate.index].is_angular() ? scaling.length_m : 1.0;
     targets.D.row(row) *= scale;
     targets.d[row] = value * scale;
   }
@@ -78,11 +76,13 @@ InitialStateResult make_initial_state(const DynamicsModel& model, const Assembly
   compute_kinematics(model, result.state, eq);
   compute_mass_matrix(model, eq);
   const VelocityTargets targets = read_targets(model, result.state, eq, scaling);
-  if (targets.d.isZero(0)) return result;  // at rest
+  const VectorXd nu = scaling.rows.cwiseProduct(eq.constraints.nu.head(system.m));
+  if (targets.d.isZero(0) && nu.isZero(0)) return result;  // at rest
 
   RowMatrixXd A(system.m + targets.D.rows(), system.nv);
   A << scaling.rows.asDiagonal() * eq.constraints.G, targets.D;
   VectorXd b = VectorXd::Zero(A.rows());
+  b.head(system.m) = nu;
   b.tail(targets.d.size()) = targets.d;
   const Selection closures = select_independent(system, scaling, eq.constraints);
   const VectorXd as_they_are = VectorXd::Ones(targets.d.size());  // `read_targets` scaled them

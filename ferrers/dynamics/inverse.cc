@@ -39,6 +39,7 @@ struct PrescribedMotion::Impl {
   FrictionSolver friction;
   std::vector<int> prescribed;  // drive components with a motion law
   std::vector<int> acting;      // drive components whose effort is sought: those, then helpers
+  bool others_act = false;      // than those whose motion is prescribed
   std::vector<int> chosen;      // of `prescribed`: the laws followed; the others are watched
   PrescribedResult current;     // last instant solved
   bool started = false;
@@ -64,7 +65,10 @@ struct PrescribedMotion::Impl {
     for (int i = 0; i < model->nu(); ++i) {
       if (model->drives[i].motion) prescribed.push_back(i);
     }
-    acting = prescribed;
+    for (const int i : prescribed) {
+      if (model->drives[i].acts) acting.push_back(i);
+    }
+    others_act = acting.size() != prescribed.size();
     for (int i = 0; i < model->nu(); ++i) {
       if (!model->drives[i].motion && model->drives[i].effort_is_sought()) acting.push_back(i);
     }
@@ -97,10 +101,10 @@ struct PrescribedMotion::Impl {
     D.setZero();
     for (std::size_t i = 0; i < prescribed.size(); ++i) {
       const DriveComponent& drive = model->drives[prescribed[i]];
-      const Jet jet = measure_drive(*model, drive, state, eq.pos, eq.vel);
+      const Jet jet = measure_drive(*model, drive, state, eq.pos, eq.vel, eq.drive_work);
       drive_value[static_cast<long>(i)] = jet.value;
       drive_bias[static_cast<long>(i)] = jet.bias;
-      add_drive_row(*model, drive, eq.pos, jet, D.row(static_cast<long>(i)));
+      add_drive_row(*model, drive, eq.pos, jet, eq.drive_work, D.row(static_cast<long>(i)));
     }
   }
 
@@ -280,7 +284,7 @@ struct PrescribedMotion::Impl {
     factor();
     singular_here = !is_regular();
     if (singular_here) report_singular_pose();
-    if (!solve_rows(VectorXd::Zero(r), rates, 0, state.v)) return false;
+    if (!solve_rows(eq.constraints.nu(selection.rows), rates, 0, state.v)) return false;
     evaluate(state);
     const double turning = state.v.cwiseQuotient(scaling.columns).norm() / scaling.length_m;
     for (int i = 0; i < r; ++i) gamma[i] = eq.constraints.gamma[selection.rows[i]];
@@ -407,7 +411,8 @@ struct PrescribedMotion::Impl {
       rows.weights[i] = drive.weight;
     }
     rows.columns = scaling.columns;
-    return LeastEffort(std::move(rows), singular_here ? std::vector<int>() : chosen);
+    // Drives that do not act along the prescribed motions may be any: what they can do is found by singular values.
+    return LeastEffort(std::move(rows), singular_here || others_act ? std::vector<int>() : chosen);
   }
 
   // Multipliers and sought efforts in their places among all.
@@ -495,6 +500,7 @@ struct PrescribedMotion::Impl {
     }
     const VectorXd target = targets();
     State walked = current.state;
+    state.t = walked.t = t;
     if (!started || !settle_positions(state, target)) {
       if (!walk(walked, target)) return false;
       state = walked;
@@ -533,7 +539,10 @@ struct PrescribedMotion::Impl {
     if (!with_efforts) return current;
     current.status = solve_efforts(singular_here ? reported : selection);
     if (current.status == PrescribedStatus::kSingular) {
-      current.message = fmt::format("no finite efforts hold the motion through the singular pose at t = {:.9g} s", t);
+      current.message =
+          singular_here
+              ? fmt::format("no finite efforts hold the motion through the singular pose at t = {:.9g} s", t)
+              : fmt::format("the drives that act cannot bring about the prescribed motions at t = {:.9g} s", t);
     } else if (current.status != PrescribedStatus::kSolved) {
       current.message = fmt::format("at t = {:.9g} s {}", t, friction.message());
     }

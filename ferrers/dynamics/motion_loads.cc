@@ -1,6 +1,7 @@
 #include "ferrers/dynamics/motion_loads.h"
 
 #include "ferrers/dynamics/friction.h"
+#include "ferrers/dynamics/lagrangian_terms.h"
 
 namespace ferrers {
 namespace {
@@ -34,18 +35,40 @@ void add_pair(const Equations& eq, const FramePair& frames, const Wrench& w,
   add_wrench(eq.pos, frames.node_1, p_M, cases, -1, loads.on_nodes);
 }
 
+// Of a drive by a formula: its gradient along each of its scalars.
+void add_formula_efforts(const DynamicsModel& model, const Equations& eq, const FormulaBlock& block,
+                         const FormulaEvaluation& at, const Eigen::Ref<const Eigen::RowVectorXd>& efforts,
+                         Loads& loads) {
+  const double* const d = at.outputs.data() + block.rows.front().first_output + 3;
+  for (std::size_t k = 0; k < block.scalars.size(); ++k) {
+    const CoordinateAccess& access = block.scalars[k];
+    if (access.in_tree) {
+      loads.tree_efforts.row(access.v) += d[k] * efforts;
+    } else {
+      add_pair(eq, model.system->frames(access), at.jets[k].W * d[k], efforts, loads);
+    }
+  }
+}
+
 // Efforts of drives (nu × k): along tree coordinates, or as pairs of wrenches at their frames.
 void add_drive_efforts(const DynamicsModel& model, const State& state, const Equations& eq, const MatrixXd& u,
                        Loads& loads) {
+  FormulaEvaluation work = make_drive_evaluation(model);
   for (int i = 0; i < model.nu(); ++i) {
     const DriveComponent& drive = model.drives[i];
+    if (!drive.acts) continue;
     if (drive.kind == Drive::Kind::kCoordinate && drive.access.in_tree) {
       loads.tree_efforts.row(drive.access.v) += u.row(i);
       continue;
     }
+    const Jet jet = measure_drive(model, drive, state, eq.pos, eq.vel, work);
+    if (drive.kind == Drive::Kind::kFormula) {
+      add_formula_efforts(model, eq, drive.formula, work, u.row(i), loads);
+      continue;
+    }
     const FramePair& frames =
         drive.kind == Drive::Kind::kCoordinate ? model.system->cuts[drive.access.cut].frames : drive.frames;
-    add_pair(eq, frames, measure_drive(model, drive, state, eq.pos, eq.vel).W, u.row(i), loads);
+    add_pair(eq, frames, jet.W, u.row(i), loads);
   }
 }
 
@@ -70,11 +93,14 @@ Loads make_motion_loads(const DynamicsModel& model, const State& state, const Eq
   compute_accelerations(system, eq.pos, eq.vel, vdot, acc);
   VectorXd efforts = VectorXd::Zero(system.nv);
   compute_force_elements(model, state, eq.pos, eq.vel, loads.on_nodes, efforts);
+  FormulaEvaluation formulas = eq.lagrangian;
+  add_lagrangian_forces(model, eq.pos, formulas, loads.on_nodes, efforts);
   for (std::size_t i = 1; i < system.nodes.size(); ++i) {
     loads.on_nodes[i].col(0) += inertia_load(model, eq.pos, acc, static_cast<int>(i), true);
   }
   loads.lambda.col(0) = lambda.head(system.m);
   loads.tree_efforts.col(0) = efforts;
+  add_lagrangian_loads(model, eq, vdot, true, 0, loads);
   add_drive_efforts(model, state, eq, u, loads);
   add_friction(model, eq, eq.friction, loads);
   return loads;
@@ -93,6 +119,7 @@ Loads make_changed_loads(const DynamicsModel& model, const State& state, const E
     for (std::size_t i = 1; i < system.nodes.size(); ++i) {
       loads.on_nodes[i].col(k) += inertia_load(model, eq.pos, acc, static_cast<int>(i), false);
     }
+    add_lagrangian_loads(model, eq, changes.vdot.col(k), false, k, loads);
   }
   loads.lambda = changes.lambda.topRows(system.m);
   add_drive_efforts(model, state, eq, changes.u, loads);

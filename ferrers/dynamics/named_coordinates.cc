@@ -12,6 +12,7 @@ constexpr std::size_t kMostNames = 4;
 constexpr double kLeastShare = 0.1;  // of the largest part in a motion: named as well
 
 NamedCoordinate::Unit unit_of(CoordinateKind kind) {
+  if (kind == CoordinateKind::kOther) return NamedCoordinate::Unit::kNone;
   const bool angular = kind == CoordinateKind::kAngle || kind == CoordinateKind::kRotationRate;
   return angular ? NamedCoordinate::Unit::kRadian : NamedCoordinate::Unit::kMetre;
 }
@@ -36,7 +37,7 @@ std::vector<NamedCoordinate> measure_positions(const System& system, const State
   std::vector<NamedCoordinate> all;
   for_joints(system, state, [&](const Joint& joint, const JointTypeInfo& type, const JointMotion& motion) {
     for (int i = 0; i < type.nq; ++i) {
-      NamedCoordinate one{joint.name + "." + std::string(type.position_names[i]), NamedCoordinate::Unit::kNone,
+      NamedCoordinate one{coordinate_label(joint, type.position_names[i]), NamedCoordinate::Unit::kNone,
                           motion.q[i]};
       if (type.quaternion_at < 0) {
         one.unit = unit_of(type.coordinates[i].kind);
@@ -56,7 +57,7 @@ std::vector<NamedCoordinate> measure_rates(const System& system, const State& st
   for_joints(system, moving, [&](const Joint& joint, const JointTypeInfo& type, const JointMotion& motion) {
     for (int i = 0; i < type.nv; ++i) {
       all.push_back(
-          {joint.name + "." + std::string(type.coordinates[i].name), unit_of(type.coordinates[i].kind), motion.v[i]});
+          {coordinate_label(joint, type.coordinates[i].name), unit_of(type.coordinates[i].kind), motion.v[i]});
     }
   });
   return all;
@@ -67,12 +68,11 @@ std::vector<NamedCoordinate> name_independent(const System& system, const Select
   for (std::size_t i = 1; i < system.nodes.size(); ++i) {
     const Node& node = system.nodes[i];
     const JointId id = system.topology->forest.nodes[i].joint;
-    const std::string owner = id.valid() ? system.model->joint(id).name : system.model->body(node.body).name;
     for (int k = 0; k < node.nv; ++k) {
       const CoordinateInfo& info = node.type->coordinates[k];
-      const bool angular = info.kind == CoordinateKind::kAngle || info.kind == CoordinateKind::kRotationRate;
-      all[node.v + k] = {owner + "." + std::string(info.name),
-                         angular ? NamedCoordinate::Unit::kRadian : NamedCoordinate::Unit::kMetre, v[node.v + k]};
+      const std::string name = id.valid() ? coordinate_label(system.model->joint(id), info.name)
+                                          : system.model->body(node.body).name + "." + std::string(info.name);
+      all[node.v + k] = {name, unit_of(info.kind), v[node.v + k]};
     }
   }
   std::vector<NamedCoordinate> chosen;

@@ -7,7 +7,7 @@ namespace ferrers {
 
 /// Joints, self-stresses and multipliers of one state.
 struct ReactionSolver::Instant {
-  std::vector<JointFrameWrenches> joints;
+  JointWrenches joints;
   MatrixXd Z;       // rows × redundant
   MatrixXd shared;  // rows × idle efforts of the drives: what they load the joints with
 };

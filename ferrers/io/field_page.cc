@@ -56,6 +56,12 @@ std::string kind_text(const FieldInfo& field) {
       return "list of these";
     case ValueKind::kExpression:
       return "formula";
+    case ValueKind::kFormulaMatrix:
+      return "rows of formulas or numbers";
+    case ValueKind::kCoordinateFormulas:
+      return "map of coordinate to formula or number";
+    case ValueKind::kCoordinateLaws:
+      return "map of coordinate to law";
     case ValueKind::kLaw:
       return "law";
     case ValueKind::kLaw3:

@@ -39,7 +39,10 @@ enum class ValueKind {
   kNamePair,    ///< [first, second].
   kCoordinate,  ///< 'joint' or 'joint.coordinate'.
   kCoordinateList,
-  kExpression,    ///< '= expression' of time and joint coordinates.
+  kExpression,          ///< '= expression' of time and coordinates.
+  kFormulaMatrix,       ///< Rows of expressions or numbers.
+  kCoordinateFormulas,  ///< A map from coordinates to expressions or numbers.
+  kCoordinateLaws,      ///< A map from coordinates to laws of time.
   kLaw,           ///< A number, '= expression' of time, or {file: law.csv, column: 2}.
   kLaw3,          ///< Three of these.
   kObject,        ///< One object of `family`.
@@ -76,6 +79,9 @@ enum class Family {
   kMisalignment,
   kFriction,
   kCoupling,
+  kConstraint,
+  kLagrangian,
+  kGeneralCoordinate,
   kForceElement,
   kBushingStiffness,
   kBushingDamping,

@@ -85,6 +85,30 @@ ObjectFamily single(Family id, std::string_view name, std::string_view title, st
   return family;
 }
 
+ObjectFamily record_family() {
+  ObjectFamily family{Family::kRecord,
+                      "record",
+                      "a record",
+                      {},
+                      false,
+                      "formula",
+                      "What is written with the results. Formulas of the model read a recorded point as `P.x`, `P.y`, "
+                      "`P.z`, world axes.",
+                      {}};
+  family.types = {
+      {"formula",
+       "a recorded formula",
+       {},
+       {required(field("formula", K::kExpression, {}, "Of time, coordinates, velocities and points"))}},
+      {"body",
+       "a recorded point",
+       "A point fixed to a body.",
+       {required(field("body", K::kName, {}, "The body that carries it")),
+        required(field("at", K::kVector3, kOfLength, "The point, as drawn"))}},
+  };
+  return family;
+}
+
 ObjectFamily drive_family() {
   const std::string motion = "Given motion, for inverse dynamics, kinematics and driven simulation";
   const std::string effort = "Given effort, for simulation; positive drives the second body forward";
@@ -95,8 +119,8 @@ ObjectFamily drive_family() {
       {},
       false,
       {},
-      "On a joint coordinate (`joint`), on the distance of two points (`bodies`), or on a recorded point "
-      "(`point`). Either law may be absent: without a motion a drive acts by its effort, and without both it helps the "
+      "On a joint coordinate or generalized coordinate (`joint`), on the distance of two points (`bodies`), on a recorded "
+      "point (`point`), on a `quantity` by a formula, or by its `map` d_j. Either law may be absent: without a motion a drive acts by its effort, and without both it helps the "
       "others in inverse dynamics and rests in simulation.",
       {}};
   family.types = {
@@ -116,6 +140,19 @@ ObjectFamily drive_family() {
        {required(field("point", K::kName, {}, "Name of a recorded point")),
         law_field("motion", K::kLaw3, kOfLength, motion + ": the path, world axes", "none"),
         law_field("effort", K::kLaw3, kOfForce, effort + ", world axes", "none"), weight_field()}},
+      {"quantity",
+       "a drive on a quantity",
+       {},
+       {required(field("quantity", K::kExpression, {},
+                       "A formula s of positions that the drive moves: it acts along d_j = ∂s/∂q_j")),
+        law_field("motion", K::kLaw, kOfAny, motion + " of the quantity", "none"),
+        law_field("effort", K::kLaw, kOfAny, effort + " [J per unit of the quantity]", "none"), weight_field()}},
+      {"map",
+       "a drive given by its map",
+       {},
+       {required(field("map", K::kCoordinateFormulas, {}, "d_j by coordinate: formulas of positions")),
+        law_field("effort", K::kLaw, kOfAny, effort + ": the generalized forces are d_j times it", "none"),
+        weight_field()}},
   };
   return family;
 }
@@ -148,9 +185,7 @@ std::vector<ObjectFamily> make_action_families() {
                  "Position, exact unless it is a guess; numbers without a unit are in rad and m", "found by assembly"),
            field("velocity", K::kNumberOrList, kOfCoordinateRate, "Velocity", "the least in the mass metric"),
            field("guess", K::kBoolean, {}, "Whether the position is only where the assembly starts", "false")}),
-      single(Family::kRecord, "record", "a recorded point", "A point fixed to a body.",
-             {required(field("body", K::kName, {}, "The body that carries it")),
-              required(field("at", K::kVector3, kOfLength, "The point, as drawn"))}),
+      record_family(),
       single(Family::kEvent, "event", "an event",
              "Acts when a formula passes through zero, in `simulate` only; `inverse` and `kinematics` say that they do "
              "not "

@@ -17,15 +17,23 @@ ObjectFamily model_family() {
         field("gravity", K::kVector3, kOfAcceleration, "Acceleration of free fall, world axes", "[0, 0, -9.81]"),
         object_field("parameters", K::kNamedObjects, Family::kParameter,
                      "Numbers that others are computed from; in any order, without cycles"),
-        required(object_field("bodies", K::kNamedObjects, Family::kBody,
-                              "Rigid bodies; `ground` always exists and is not written here")),
+        object_field("bodies", K::kNamedObjects, Family::kBody,
+                     "Rigid bodies; `ground` always exists and is not written here. Needed where there is no "
+                     "`lagrangian`"),
         object_field("joints", K::kNamedObjects, Family::kJoint, "Joints between two bodies each"),
         object_field("couplings", K::kNamedObjects, Family::kCoupling, "Linear relations between joint coordinates"),
+        object_field("constraints", K::kNamedObjects, Family::kConstraint,
+                     "Formulas of coordinates, points and time that are zero"),
+        object_field("lagrangian", K::kObject, Family::kLagrangian,
+                     "Generalized coordinates with energies and forces by formulas, instead of bodies or beside them"),
         object_field("forces", K::kNamedObjects, Family::kForceElement, "Springs, dampers and given forces"),
         object_field("drives", K::kNamedObjects, Family::kDrive, "Motors: given motions and given efforts"),
+        law_field("motions", K::kCoordinateLaws, kOfCoordinate,
+                  "Prescribed motions of coordinates that no drive sits on, for `inverse` and `kinematics`: the drives "
+                  "without an effort law bring them about"),
         object_field("initial", K::kNamedLists, Family::kInitial,
                      "By joint: where it starts and how fast; a list of maps for several of its coordinates"),
-        object_field("record", K::kNamedObjects, Family::kRecord, "Points whose motion is written with the results"),
+        object_field("record", K::kNamedObjects, Family::kRecord, "Points and formulas that are written with the results"),
         object_field("events", K::kNamedObjects, Family::kEvent, "What happens when a formula passes through zero")}});
   return family;
 }

@@ -118,6 +118,76 @@ ObjectFamily single(Family id, std::string_view name, std::string_view title, st
   return family;
 }
 
+ObjectFamily constraint_family() {
+  ObjectFamily family{Family::kConstraint,
+                      "constraint",
+                      "a constraint",
+                      {},
+                      false,
+                      "position",
+                      "A formula that is zero. It reads joint coordinates (`main.position`, `ball_screw.angle`), "
+                      "generalized coordinates (`theta`), recorded points in world axes (`P.x`), parameters and `t`. It "
+                      "is one row among the others, named after itself, in every verdict on redundancy.",
+                      {}};
+  family.types = {
+      {"position",
+       "a constraint on positions",
+       "A point on a curve, a cam, a cable of given length, equal angles, a prescribed distance.",
+       {required(field("position", K::kExpression, {}, "The formula of positions and time"))}},
+      {"velocity",
+       "a constraint on velocities",
+       "Rolling and other conditions that are linear in the velocities (`theta.velocity`, `P.x.velocity`).",
+       {required(field("velocity", K::kExpression, {}, "The formula, linear in velocities"))}},
+  };
+  return family;
+}
+
+ObjectFamily general_coordinate_family() {
+  ObjectFamily family{Family::kGeneralCoordinate,
+                      "general_coordinate",
+                      "a generalized coordinate",
+                      {},
+                      false,
+                      "unit",
+                      "Formulas read its value by its name and its rate as `name.velocity`; drives, couplings, initial "
+                      "values and forces on joints take it like a joint.",
+                      {}};
+  family.types.push_back({{},
+                          "a generalized coordinate",
+                          {},
+                          {required(field("unit", K::kText, {}, "Of its SI value: `rad`, `m`, `1`, `m^2`")),
+                           field("guess", K::kNumber, kOfAny, "Where the assembly starts", "0"),
+                           field("limits", K::kNumberPair, kOfAny, "Lowest and highest value", "none")}});
+  return family;
+}
+
+ObjectFamily lagrangian_family() {
+  ObjectFamily family{Family::kLagrangian,
+                      "lagrangian",
+                      "a Lagrangian system",
+                      {},
+                      false,
+                      {},
+                      "Generalized coordinates q, and T, V and forces over q, v, the parameters and t: motion by "
+                      "d/dt(∂T/∂v) − ∂T/∂q = −∂V/∂q − ∂R/∂v + Q + Gᵀ lambda. Beside bodies the formulas may read joint "
+                      "coordinates and points too, and add to what the bodies give.",
+                      {}};
+  family.types.push_back(
+      {{},
+       "a Lagrangian system",
+       {},
+       {object_field("coordinates", K::kNamedObjects, Family::kGeneralCoordinate, "Generalized coordinates", "none"),
+        field("kinetic_energy", K::kExpression, {}, "T [J], of coordinates, velocities and time", "0"),
+        field("mass_matrix", K::kFormulaMatrix, {}, "Instead of T: M(q), T = ½ vᵀ M v, in the order of the coordinates",
+              "none"),
+        field("potential_energy", K::kExpression, {}, "V [J], of coordinates and time", "0"),
+        field("dissipation", K::kExpression, {}, "Rayleigh's function R [W]: forces −∂R/∂v", "0"),
+        field("forces", K::kCoordinateFormulas, {}, "Generalized forces Q along coordinates [J per unit]", "none"),
+        object_field("constraints", K::kNamedObjects, Family::kConstraint,
+                     "As `constraints` of the model: these come first", "none")}});
+  return family;
+}
+
 ObjectFamily coupling_family() {
   ObjectFamily family{Family::kCoupling,
                       "coupling",
@@ -178,6 +248,9 @@ std::vector<ObjectFamily> make_joint_families() {
                  "and spherical joints with `coulomb` need it",
                  "0")}),
       coupling_family(),
+      constraint_family(),
+      lagrangian_family(),
+      general_coordinate_family(),
   };
 }
 

@@ -33,6 +33,8 @@ std::string quoted(const std::string& text) {
 
 std::string formula(const Expression& expression) { return quoted("= " + expression.to_string()); }
 
+std::string text_of(const Expression& expression) { return formula(expression); }
+
 std::string text_of(const Number& number) {
   if (number.expression) return formula(*number.expression);
   return std::isinf(number.value) ? std::string("rigid") : fmt::format("{}", number.value);
@@ -250,10 +252,28 @@ struct ForceWriter {
 
 std::string text_of(const ForceSpec& force) { return std::visit(ForceWriter(), force.element); }
 
+template <class Value>
+std::string by_coordinate(const std::vector<std::pair<CoordinateRef, Value>>& entries) {
+  FlowMap map;
+  for (const auto& [ref, value] : entries) map.add(text_of(ref), text_of(value));
+  return map.text();
+}
+
+std::string text_of(const ConstraintSpec& constraint) {
+  return FlowMap().add(constraint.on_velocities ? "velocity" : "position", formula(constraint.formula)).text();
+}
+
+std::string text_of(const GeneralCoordinateSpec& coordinate) {
+  const std::string unit = coordinate.dimension == kPureNumber ? "1" : to_string(coordinate.dimension);
+  return FlowMap().add("unit", quoted(unit)).add_if("guess", coordinate.guess).add_if("limits", coordinate.limits).text();
+}
+
 std::string text_of(const DriveSpec& drive) {
   FlowMap map;
   map.add_if("joint", drive.coordinate).add_if("bodies", drive.bodies).add_if("points", drive.points);
   if (drive.point) map.add("point", drive.point->name);
+  if (drive.quantity) map.add("quantity", formula(*drive.quantity));
+  if (!drive.map.empty()) map.add("map", by_coordinate(drive.map));
   return map.add_laws("motion", drive.motion).add_laws("effort", drive.effort).add_if("weight", drive.weight).text();
 }
 
@@ -271,6 +291,7 @@ std::string text_of(const InitialSpec& initial) {
 }
 
 std::string text_of(const RecordSpec& record) {
+  if (record.formula) return FlowMap().add("formula", formula(*record.formula)).text();
   return FlowMap().add("body", record.body.name).add("at", text_of(record.place)).text();
 }
 
@@ -308,6 +329,27 @@ void write_initial(std::string& out, const std::vector<InitialSpec>& all) {
   }
 }
 
+/// Constraints are written with those of the model, which is the same.
+void write_lagrangian(std::string& out, const LagrangianSpec& spec) {
+  if (!spec.given()) return;
+  out += "\nlagrangian:\n";
+  const auto add = [&out](std::string_view key, const std::string& text) {
+    out += fmt::format("  {}: {}\n", key, text);
+  };
+  FlowMap coordinates;
+  for (const GeneralCoordinateSpec& one : spec.coordinates) coordinates.add(one.name.name, text_of(one));
+  if (!spec.coordinates.empty()) add("coordinates", coordinates.text());
+  if (spec.kinetic_energy) add("kinetic_energy", formula(*spec.kinetic_energy));
+  if (!spec.mass_matrix.empty()) {
+    std::string rows;
+    for (const auto& row : spec.mass_matrix) rows += (rows.empty() ? "" : ", ") + list_of(row);
+    add("mass_matrix", "[" + rows + "]");
+  }
+  if (spec.potential_energy) add("potential_energy", formula(*spec.potential_energy));
+  if (spec.dissipation) add("dissipation", formula(*spec.dissipation));
+  if (!spec.forces.empty()) add("forces", by_coordinate(spec.forces));
+}
+
 }  // namespace
 
 std::string write_model(const ModelSpec& spec) {
@@ -317,11 +359,14 @@ std::string write_model(const ModelSpec& spec) {
   out += fmt::format("gravity: {}\n", text_of(spec.gravity));
   write_section(out, "parameters", spec.parameters);
   write_section(out, "bodies", spec.bodies);
-  if (spec.bodies.empty()) out += "\nbodies: {}\n";
+  if (spec.bodies.empty() && !spec.lagrangian.given()) out += "\nbodies: {}\n";
   write_section(out, "joints", spec.joints);
   write_section(out, "couplings", spec.couplings);
+  write_section(out, "constraints", spec.constraints);
+  write_lagrangian(out, spec.lagrangian);
   write_section(out, "forces", spec.forces);
   write_section(out, "drives", spec.drives);
+  if (!spec.motions.empty()) out += fmt::format("\nmotions: {}\n", by_coordinate(spec.motions));
   write_initial(out, spec.initial);
   write_section(out, "record", spec.records);
   write_section(out, "events", spec.events);

@@ -381,6 +381,24 @@ std::optional<Expression> ObjectReader::expression(std::string_view key) {
   return node == nullptr ? std::nullopt : values_.expression(*node, label(key));
 }
 
+std::vector<std::vector<Expression>> ObjectReader::formula_matrix(std::string_view key) {
+  const DocumentNode* node = ask(key, {ValueKind::kFormulaMatrix});
+  if (node == nullptr) return {};
+  return values_.formula_matrix(*node, label(key));
+}
+
+std::vector<std::pair<CoordinateRef, Expression>> ObjectReader::coordinate_formulas(std::string_view key) {
+  const DocumentNode* node = ask(key, {ValueKind::kCoordinateFormulas});
+  if (node == nullptr) return {};
+  return values_.coordinate_formulas(*node, label(key));
+}
+
+std::vector<std::pair<CoordinateRef, LawSpec>> ObjectReader::coordinate_laws(std::string_view key) {
+  const DocumentNode* node = ask(key, {ValueKind::kCoordinateLaws});
+  if (node == nullptr) return {};
+  return values_.coordinate_laws(*node, label(key));
+}
+
 std::vector<LawSpec> ObjectReader::laws(std::string_view key) {
   const DocumentNode* node = ask(key, {ValueKind::kLaw, ValueKind::kLaw3});
   if (node == nullptr) return {};

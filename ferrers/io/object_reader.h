@@ -59,6 +59,9 @@ class ObjectReader {
   std::optional<CoordinateRef> coordinate(std::string_view key);
   std::vector<CoordinateRef> coordinates(std::string_view key);
   std::optional<Expression> expression(std::string_view key);
+  std::vector<std::vector<Expression>> formula_matrix(std::string_view key);
+  std::vector<std::pair<CoordinateRef, Expression>> coordinate_formulas(std::string_view key);
+  std::vector<std::pair<CoordinateRef, LawSpec>> coordinate_laws(std::string_view key);
   std::vector<LawSpec> laws(std::string_view key);  ///< kLaw: one; kLaw3: three; empty when one is not readable.
   const DocumentNode* object(std::string_view key);
 

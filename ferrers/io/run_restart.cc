@@ -83,7 +83,7 @@ class Reader {
 
  private:
   static std::string position_column(const Joint& joint, int i) {
-    return joint.name + "." + std::string(joint_type_info(joint.type).position_names[i]);
+    return coordinate_label(joint, joint_type_info(joint.type).position_names[i]);
   }
 
   double value(const std::string& column) {
@@ -108,19 +108,22 @@ class Reader {
     }
     const int n = system_.topology->node_of_joint[id.index()];
     if (n < 0) return;
-    take_node(system_.nodes[static_cast<std::size_t>(n)], joint.name);
+    take_node(system_.nodes[static_cast<std::size_t>(n)],
+              [&joint](std::string_view name) { return coordinate_label(joint, name); });
   }
 
   void take_floating(const FloatingBody& body) {
-    take_node(system_.nodes[static_cast<std::size_t>(body.node)], body.name);
+    take_node(system_.nodes[static_cast<std::size_t>(body.node)],
+              [&body](std::string_view name) { return body.name + "." + std::string(name); });
   }
 
-  void take_node(const Node& node, const std::string& owner) {
+  template <typename Label>
+  void take_node(const Node& node, Label label) {
     for (int i = 0; i < node.nq; ++i) {
-      state_.q[node.q + i] = value(owner + "." + std::string(node.type->position_names[i]));
+      state_.q[node.q + i] = value(label(node.type->position_names[i]));
     }
     for (int i = 0; i < node.nv; ++i) {
-      state_.v[node.v + i] = value(owner + "." + std::string(node.type->coordinates[i].name) + ".velocity");
+      state_.v[node.v + i] = value(label(node.type->coordinates[i].name) + ".velocity");
     }
   }
 

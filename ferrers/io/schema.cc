@@ -56,6 +56,12 @@ Json named(const Json& value) {
   return {{"type", {"object", "null"}}, {"propertyNames", {{"pattern", kName}}}, {"additionalProperties", value}};
 }
 
+Json by_coordinate(const Json& value) {
+  return {{"type", {"object", "null"}},
+          {"propertyNames", {{"pattern", "^[A-Za-z_][A-Za-z0-9_]*(\\.[A-Za-z_][A-Za-z0-9_]*)?$"}}},
+          {"additionalProperties", value}};
+}
+
 Json family_reference(Family family) { return reference(object_family(family).name); }
 
 Json value_schema(const FieldInfo& field) {
@@ -109,6 +115,12 @@ Json value_schema(const FieldInfo& field) {
       return list_of(reference("coordinate"), 0);
     case ValueKind::kExpression:
       return reference("formula");
+    case ValueKind::kFormulaMatrix:
+      return list_of(list_of(reference("number"), 0), 0);
+    case ValueKind::kCoordinateFormulas:
+      return by_coordinate(reference("number"));
+    case ValueKind::kCoordinateLaws:
+      return by_coordinate(reference("law"));
     case ValueKind::kLaw:
       return reference("law");
     case ValueKind::kLaw3:

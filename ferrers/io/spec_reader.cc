@@ -38,8 +38,7 @@ void SpecReader::mark_faulty(const DocumentEntry& entry) {
   faults_.entries.push_back(faulty);
 }
 
-template <class Read>
-void SpecReader::read_section(ObjectReader& model, std::string_view key, Read read_entry) {
+void SpecReader::read_section(ObjectReader& model, std::string_view key, EntryReader read_entry) {
   const DocumentNode* section = model.object(key);
   if (section == nullptr || section->kind == Kind::kNull) return;  // `joints:` with nothing below is an empty map
   if (section->kind != Kind::kMap) {
@@ -70,11 +69,18 @@ ModelSpec SpecReader::read(const DocumentNode& root, const std::string& default_
   if (const auto doc = model.text("doc")) spec_.doc = *doc;
   if (const auto gravity = model.vector3("gravity")) spec_.gravity = *gravity;
   read_section(model, "parameters", &SpecReader::read_parameter);
+  if (!model.has("bodies") && !model.has("lagrangian")) {
+    values_.error("F202", root.at, "a model needs 'bodies' or 'lagrangian'",
+                  "bodies: {name: {...}}, or lagrangian: {coordinates: {...}, kinetic_energy: = ...}");
+  }
   read_section(model, "bodies", &SpecReader::read_body);
   read_section(model, "joints", &SpecReader::read_joint);
+  if (const DocumentNode* lagrangian = model.object("lagrangian")) read_lagrangian(*lagrangian);
   read_section(model, "couplings", &SpecReader::read_coupling);
+  read_section(model, "constraints", &SpecReader::read_constraint);
   read_section(model, "forces", &SpecReader::read_force);
   read_section(model, "drives", &SpecReader::read_drive);
+  spec_.motions = model.coordinate_laws("motions");
   read_section(model, "initial", &SpecReader::read_initial);
   read_section(model, "record", &SpecReader::read_record);
   read_section(model, "events", &SpecReader::read_event);

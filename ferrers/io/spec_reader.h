@@ -37,8 +37,8 @@ class SpecReader {
   const ReaderFaults& faults() const { return faults_; }
 
  private:
-  template <class Read>
-  void read_section(ObjectReader& model, std::string_view key, Read read_entry);
+  using EntryReader = void (SpecReader::*)(const DocumentNode& node, const NameRef& name);
+  void read_section(ObjectReader& model, std::string_view key, EntryReader read_entry);
   void mark_faulty(const DocumentEntry& entry);
 
   // spec_reader.cc
@@ -56,6 +56,11 @@ class SpecReader {
   void read_coupling(const DocumentNode& node, const NameRef& name);
   CoordinateDimensions dimensions_of(const JointSpec& joint) const;
   CoordinateDimensions dimensions_of(const CoordinateRef& ref) const;
+
+  // spec_reader_formulas.cc
+  void read_lagrangian(const DocumentNode& node);
+  void read_general_coordinate(const DocumentNode& node, const NameRef& name);
+  void read_constraint(const DocumentNode& node, const NameRef& name);
 
   // spec_reader_actions.cc
   void read_force(const DocumentNode& node, const NameRef& name);

@@ -140,10 +140,14 @@ void SpecReader::read_drive(const DocumentNode& node, const NameRef& name) {
       bool on_bodies = false;
       drive.bodies = object.name_pair("bodies");
       drive.points = object.points("points", drive.bodies.value_or(std::array<NameRef, 2>()), on_bodies);
+    } else if (object.tag() == "quantity") {
+      drive.quantity = object.expression("quantity");
+    } else if (object.tag() == "map") {
+      drive.map = object.coordinate_formulas("map");
     } else {
       drive.point = object.name("point");
     }
-    drive.motion = object.laws("motion");
+    if (object.tag() != "map") drive.motion = object.laws("motion");
     drive.effort = object.laws("effort");
     drive.weight = object.number("weight");
   }
@@ -180,7 +184,10 @@ void SpecReader::read_record(const DocumentNode& node, const NameRef& name) {
   record.at = node.at;
   record.place = reported3();
   ObjectReader object(values_, node, Family::kRecord, name);
-  if (object.usable()) {
+  if (object.usable() && object.tag() == "formula") {
+    record.formula = object.expression("formula");
+    if (!record.formula) return;
+  } else if (object.usable()) {
     if (const auto body = object.name("body")) record.body = *body;
     if (const auto place = object.vector3("at")) record.place = *place;
   }

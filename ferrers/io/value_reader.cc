@@ -414,6 +414,60 @@ std::optional<Expression> ValueReader::expression(const DocumentNode& node, Valu
   return std::nullopt;
 }
 
+std::optional<Expression> ValueReader::formula_or_number(const DocumentNode& node, ValueLabel label) {
+  const Number value = number(node, label, std::nullopt);
+  if (value.expression) return value.expression;
+  if (!std::isfinite(value.value)) return std::nullopt;
+  return Expression::constant(value.value);
+}
+
+std::vector<std::vector<Expression>> ValueReader::formula_matrix(const DocumentNode& node, ValueLabel label) {
+  std::vector<std::vector<Expression>> rows;
+  if (!is_list(node, label, 0, "rows")) return rows;
+  for (const DocumentNode& row : node.items) {
+    if (!is_list(row, label, 0, "formulas")) return {};
+    std::vector<Expression>& entries = rows.emplace_back();
+    for (const DocumentNode& entry : row.items) entries.push_back(formula_or_number(entry, label).value_or(Expression()));
+  }
+  return rows;
+}
+
+std::vector<std::pair<CoordinateRef, const DocumentNode*>> ValueReader::by_coordinate(const DocumentNode& node,
+                                                                                      ValueLabel label) {
+  std::vector<std::pair<CoordinateRef, const DocumentNode*>> out;
+  if (node.kind == Kind::kNull || node.kind == Kind::kBroken) return out;
+  if (node.kind != Kind::kMap) {
+    wrong_type(node, label, "a map from coordinates to formulas", fmt::format("{}: {{theta: = ...}}", label.key));
+    return out;
+  }
+  for (const DocumentEntry& entry : node.entries) {
+    DocumentNode key;
+    key.kind = Kind::kPlain;
+    key.text = entry.key;
+    key.at = entry.key_at;
+    if (auto ref = coordinate(key, label)) out.emplace_back(std::move(*ref), &entry.value);
+  }
+  return out;
+}
+
+std::vector<std::pair<CoordinateRef, Expression>> ValueReader::coordinate_formulas(const DocumentNode& node,
+                                                                                   ValueLabel label) {
+  std::vector<std::pair<CoordinateRef, Expression>> out;
+  for (auto& [ref, value] : by_coordinate(node, label)) {
+    if (auto formula = formula_or_number(*value, label)) out.emplace_back(std::move(ref), std::move(*formula));
+  }
+  return out;
+}
+
+std::vector<std::pair<CoordinateRef, LawSpec>> ValueReader::coordinate_laws(const DocumentNode& node,
+                                                                            ValueLabel label) {
+  std::vector<std::pair<CoordinateRef, LawSpec>> out;
+  for (auto& [ref, value] : by_coordinate(node, label)) {
+    if (auto one = law(*value, label, std::nullopt)) out.emplace_back(std::move(ref), std::move(*one));
+  }
+  return out;
+}
+
 std::optional<LawSpec> ValueReader::law(const DocumentNode& node, ValueLabel label, std::optional<Dimension> wanted) {
   LawSpec law;
   law.at = node.at;

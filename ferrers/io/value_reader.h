@@ -68,6 +68,11 @@ class ValueReader {
                                          std::span<const std::string_view> choices);
   std::optional<CoordinateRef> coordinate(const DocumentNode& node, ValueLabel label);
   std::optional<Expression> expression(const DocumentNode& node, ValueLabel label);
+  std::optional<Expression> formula_or_number(const DocumentNode& node, ValueLabel label);
+  std::vector<std::vector<Expression>> formula_matrix(const DocumentNode& node, ValueLabel label);
+  /// A map from coordinates ('joint', 'joint.coordinate') to formulas, or to laws of time.
+  std::vector<std::pair<CoordinateRef, Expression>> coordinate_formulas(const DocumentNode& node, ValueLabel label);
+  std::vector<std::pair<CoordinateRef, LawSpec>> coordinate_laws(const DocumentNode& node, ValueLabel label);
   std::optional<LawSpec> law(const DocumentNode& node, ValueLabel label, std::optional<Dimension> wanted);
 
   /// Reads "12", "12 mm"; reports at `at`.
@@ -79,6 +84,7 @@ class ValueReader {
 
  private:
   std::optional<Expression> formula(const DocumentNode& node);
+  std::vector<std::pair<CoordinateRef, const DocumentNode*>> by_coordinate(const DocumentNode& node, ValueLabel label);
   void wrong_type(const DocumentNode& node, ValueLabel label, std::string_view wanted, std::string hint = {});
   void not_a_number(std::string_view text, SourceRange at, ValueLabel label, std::size_t digits);
 

@@ -25,6 +25,10 @@ class Closer {
         pos_(make_position_kinematics(system)),
         rest_(make_velocity_kinematics(system)),
         constraints_(make_constraint_blocks(system)) {
+    for (std::size_t b = 0; b < constraints_.blocks.size(); ++b) {
+      const auto& rows = system.velocity_rows;
+      if (std::find(rows.begin(), rows.end(), constraints_.blocks[b].row) != rows.end()) velocity_blocks_.push_back(b);
+    }
     for (const int v : held) place_[v] = -1;
     for (int v = 0; v < system.nv; ++v) {
       if (place_[v] < 0) continue;
@@ -36,6 +40,7 @@ class Closer {
   double evaluate(State& state) {
     compute_positions(system_, state.q, pos_);
     compute_constraint_blocks(system_, state, pos_, constraints_);
+    for (const int b : velocity_blocks_) constraints_.blocks[b].G.setZero();  // they hold no position
     residual_ = constraints_.phi.cwiseProduct(scaling_.rows);
     return residual_.size() > 0 ? residual_.norm() : 0.0;
   }
@@ -131,6 +136,7 @@ class Closer {
   PositionKinematics pos_;
   VelocityKinematics rest_;
   ConstraintBlocks constraints_;
+  std::vector<std::size_t> velocity_blocks_;
   VectorXd residual_;
 };
 

@@ -1,6 +1,7 @@
 #include "ferrers/kinematics/constraint_blocks.h"
 
 #include "ferrers/kinematics/coordinates.h"
+#include "ferrers/kinematics/formula_rows.h"
 
 namespace ferrers {
 namespace {
@@ -47,13 +48,25 @@ void compute_constraint_blocks(const System& system, const State& state, const P
   }
   for (std::size_t c = 0; c < system.couplings.size(); ++c) {
     const CouplingRow& coupling = system.couplings[c];
+    if (coupling.block >= 0) continue;
     out.phi[coupling.row] = 0;
-    for (std::size_t i = 0; i < coupling.coordinates.size(); ++i) {
-      const Jet jet = measure_coordinate(system, coupling.coordinates[i], state, pos, rest);
+    for (std::size_t i = 0; i < coupling.scalars.size(); ++i) {
+      const Jet jet = measure_coordinate(system, coupling.scalars[i], state, pos, rest);
       out.phi[coupling.row] += coupling.coefficients[i] * jet.value;
-      add_coordinate_row(system, coupling.coordinates[i], pos, jet, coupling.coefficients[i], whole);
+      add_coordinate_row(system, coupling.scalars[i], pos, jet, coupling.coefficients[i], whole);
     }
     take_row(whole, 0, out.blocks[system.cuts.size() + c]);
+  }
+  State still = state;
+  still.v = VectorXd::Zero(system.nv);
+  for (const FormulaBlock& formulas : system.formulas) {
+    FormulaEvaluation at = make_formula_evaluation(formulas);
+    evaluate_formulas(system, formulas, still, pos, rest, at);
+    for (const FormulaBlock::Row& row : formulas.rows) {
+      out.phi[row.row] = at.outputs[row.first_output];
+      add_formula_row(system, formulas, row, pos, at, whole);
+      take_row(whole, 0, out.blocks[system.cuts.size() + row.coupling]);
+    }
   }
 }
 

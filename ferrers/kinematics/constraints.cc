@@ -1,6 +1,7 @@
 #include "ferrers/kinematics/constraints.h"
 
 #include "ferrers/kinematics/coordinates.h"
+#include "ferrers/kinematics/formula_rows.h"
 #include "ferrers/kinematics/turned.h"
 
 namespace ferrers {
@@ -10,6 +11,7 @@ ConstraintKinematics make_constraint_kinematics(const System& system, int driven
   ConstraintKinematics out;
   out.phi = out.gamma = out.rate = out.nu = VectorXd::Zero(m);
   out.G = RowMatrixXd::Zero(m, system.nv);
+  for (const FormulaBlock& block : system.formulas) out.formulas.push_back(make_formula_evaluation(block));
   return out;
 }
 
@@ -88,24 +90,13 @@ void compute_cut_joint(const System& system, const CutJoint& cut, const State& s
   fill_rows(system, cut, pos, rows, out.G);
 }
 
-void clear_coordinate_row(const System& system, const CoordinateAccess& access, Eigen::Ref<Eigen::RowVectorXd> row) {
-  if (access.in_tree) {
-    row[access.v] = 0;
-    return;
-  }
-  for (const FramePair::PathEntry& entry : system.cuts[access.cut].frames.path) {
-    const Node& node = system.nodes[entry.node];
-    row.segment(node.v, node.nv).setZero();
-  }
-}
-
 void compute_coupling(const System& system, const CouplingRow& coupling, const State& state,
                       const PositionKinematics& pos, const VelocityKinematics& vel, ConstraintKinematics& out) {
   const int row = coupling.row;
   out.phi[row] = out.rate[row] = out.gamma[row] = 0;
-  for (const CoordinateAccess& access : coupling.coordinates) clear_coordinate_row(system, access, out.G.row(row));
-  for (std::size_t i = 0; i < coupling.coordinates.size(); ++i) {
-    const CoordinateAccess& access = coupling.coordinates[i];
+  for (const CoordinateAccess& access : coupling.scalars) clear_coordinate_row(system, access, out.G.row(row));
+  for (std::size_t i = 0; i < coupling.scalars.size(); ++i) {
+    const CoordinateAccess& access = coupling.scalars[i];
     const double c = coupling.coefficients[i];
     const Jet jet = measure_coordinate(system, access, state, pos, vel);
     out.phi[row] += c * jet.value;
@@ -120,7 +111,12 @@ void compute_coupling(const System& system, const CouplingRow& coupling, const S
 void compute_constraints(const System& system, const State& state, const PositionKinematics& pos,
                          const VelocityKinematics& vel, ConstraintKinematics& out) {
   for (const CutJoint& cut : system.cuts) compute_cut_joint(system, cut, state, pos, vel, out);
-  for (const CouplingRow& coupling : system.couplings) compute_coupling(system, coupling, state, pos, vel, out);
+  for (const CouplingRow& coupling : system.couplings) {
+    if (coupling.block < 0) compute_coupling(system, coupling, state, pos, vel, out);
+  }
+  for (std::size_t i = 0; i < system.formulas.size(); ++i) {
+    compute_formula_rows(system, system.formulas[i], state, pos, vel, out.formulas[i], out);
+  }
 }
 
 void accept_winding(const System& system, const PositionKinematics& pos, State& state) {

@@ -4,19 +4,27 @@
 
 namespace ferrers {
 
+/// What the evaluation of one block needs besides its outputs, and what it finds.
+struct FormulaEvaluation {
+  std::vector<Jet> jets;        ///< Per scalar.
+  std::vector<double> inputs;   ///< Values, rates, t.
+  std::vector<double> outputs;  ///< See `FormulaBlock`.
+};
+
 /// The constraints of a system at one state, whatever its coordinates: what redundancy analysis and the equations of
 /// motion consume.
 ///
 ///   phi(q) = 0,   G v = nu,   G vdot = gamma(q, v)        [stepanyan, eq. (1), (3), (4)]
 ///
-/// The system's own rows have nu = 0; rows of prescribed motions may follow them (dynamics/equations.h). Rows are named
-/// (`System::row_names`).
+/// nu is 0 but for relations that know the time; rows of prescribed motions may follow the system's own
+/// (dynamics/equations.h). Rows are named (`System::row_names`).
 struct ConstraintKinematics {
   VectorXd phi;    ///< m: residual, m or rad.
   RowMatrixXd G;   ///< m × nv: exact Jacobian, also off the manifold.
   VectorXd gamma;  ///< m.
   VectorXd rate;   ///< m: G v.
   VectorXd nu;     ///< m.
+  std::vector<FormulaEvaluation> formulas;  ///< Work space, per block of relations.
 };
 
 /// `driven`: room for so many rows after the system's own.

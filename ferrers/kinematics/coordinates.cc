@@ -31,6 +31,10 @@ Jet measure_coordinate(const System& system, const CoordinateAccess& access, con
     jet.rate = state.v[access.v];
     return jet;
   }
+  if (access.point >= 0) {
+    const RelativeMotion motion = compute_relative_motion(system.points[access.point], pos, acc);
+    return along_first(motion, Vector3d::Unit(access.axis));
+  }
   const CutJoint& cut = system.cuts[access.cut];
   const RelativeMotion motion = compute_relative_motion(cut.frames, pos, acc);
   if (!cut.type->coordinate_jets) return measure_rate(motion, access.jet);
@@ -40,12 +44,23 @@ Jet measure_coordinate(const System& system, const CoordinateAccess& access, con
   return access.winding >= 0 ? continued(jet, state.winding[access.winding]) : jet;
 }
 
+void clear_coordinate_row(const System& system, const CoordinateAccess& access, Eigen::Ref<Eigen::RowVectorXd> row) {
+  if (access.in_tree) {
+    row[access.v] = 0;
+    return;
+  }
+  for (const FramePair::PathEntry& entry : system.frames(access).path) {
+    const Node& node = system.nodes[entry.node];
+    row.segment(node.v, node.nv).setZero();
+  }
+}
+
 void add_coordinate_row(const System& system, const CoordinateAccess& access, const PositionKinematics& pos,
                         const Jet& jet, double scale, Eigen::Ref<Eigen::RowVectorXd> row) {
   if (access.in_tree) {
     row[access.v] += scale;
   } else {
-    add_jet_row(system, system.cuts[access.cut].frames, pos, jet.W, scale, row);
+    add_jet_row(system, system.frames(access), pos, jet.W, scale, row);
   }
 }
 

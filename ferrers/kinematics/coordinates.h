@@ -4,10 +4,13 @@
 
 namespace ferrers {
 
-/// One scalar joint coordinate as a jet: value, rate, and (for a cut joint) W and bias at its frames. For a tree joint
-/// W is unused: the coordinate is an entry of q and v.
+/// One scalar of the state as a jet: value, rate, and (for a cut joint or a point) W and bias at its frames. For a tree
+/// joint W is unused: the coordinate is an entry of q and v.
 Jet measure_coordinate(const System& system, const CoordinateAccess& access, const State& state,
                        const PositionKinematics& pos, const VelocityKinematics& acc);
+
+/// Zeros the entries of `row` (nv) that `add_coordinate_row` can change.
+void clear_coordinate_row(const System& system, const CoordinateAccess& access, Eigen::Ref<Eigen::RowVectorXd> row);
 
 /// Adds `scale` · ∂(rate)/∂v of a coordinate to `row` (nv).
 void add_coordinate_row(const System& system, const CoordinateAccess& access, const PositionKinematics& pos,

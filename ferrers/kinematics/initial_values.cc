@@ -103,6 +103,14 @@ InitialValues read_initial_values(const System& system) {
   return values;
 }
 
+State make_guessed_state(const System& system) {
+  State state = make_drawn_state(system);
+  const InitialValues values = read_initial_values(system);
+  values.apply_guesses(system, state);
+  values.apply_exact(state, 1, state);
+  return state;
+}
+
 void InitialValues::apply_guesses(const System&, State& state) const {
   for (const TreeTarget& target : guesses) {
     for (int i = 0; i < (target.rotation ? 4 : 1); ++i) state.q[target.q + i] = target.value[i];
@@ -153,6 +161,7 @@ bool InitialValues::meet_cut_targets(const System& system, const Scaling& scalin
     VectorXd b(m + k + pose_rows);
     A.topRows(m) = scaling.rows.asDiagonal() * constraints.G;
     b.head(m) = -constraints.phi.cwiseProduct(scaling.rows);
+    for (const int v : system.velocity_rows) A.row(v).setZero();
     for (int j = 0; j < k; ++j) {
       const Jet jet = measure_coordinate(system, cut[j].access, state, pos, rest);
       add_coordinate_row(system, cut[j].access, pos, jet, 1, A.row(m + j));

@@ -38,4 +38,7 @@ struct InitialValues {
 
 InitialValues read_initial_values(const System& system);
 
+/// The drawn state with guesses and exact positions of tree coordinates put in as they are.
+State make_guessed_state(const System& system);
+
 }  // namespace ferrers

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 
 #include "ferrers/kinematics/coordinates.h"
+#include "ferrers/kinematics/formula_rows.h"
 
 namespace ferrers {
 
@@ -37,18 +38,37 @@ AllRows make_all_rows(const System& system, const Scaling& scaling) {
   return rows;
 }
 
-std::vector<JointFrameWrenches> compute_joint_frame_wrenches(const System& system, const State& state,
+JointWrenches compute_joint_frame_wrenches(const System& system, const State& state,
                                                              const PositionKinematics& pos) {
   const VelocityKinematics rest = make_velocity_kinematics(system);
-  std::vector<JointFrameWrenches> out(system.model->joints().size());
+  JointWrenches out;
+  out.joints.resize(system.model->joints().size());
   Jet jets[6];
   for (std::size_t j = 0; j < out.size(); ++j) {
     const Joint& joint = system.model->joints()[j];
-    compute_joint_rows(system, JointId(j), state, pos, rest, out[j].motion, jets);
+    JointFrameWrenches& at = out.joints[j];
     const int count = joint_type_info(joint.type).row_count();
-    out[j].T.resize(6, count);
-    for (int i = 0; i < count; ++i) out[j].T.col(i) = jets[i].W;
-    out[j].p_M = point_position(pos, system.point(joint.second, joint.X_2M.p));
+    at.T.resize(6, count);
+    if (system.model->is_coordinate(j)) continue;
+    compute_joint_rows(system, JointId(j), state, pos, rest, at.motion, jets);
+    for (int i = 0; i < count; ++i) at.T.col(i) = jets[i].W;
+    at.p_M = point_position(pos, system.point(joint.second, joint.X_2M.p));
+  }
+  out.coupling_coefficients = coupling_coefficients(system, state, pos);
+  return out;
+}
+
+ScalarWrench scalar_wrench(const System& system, const StateScalar& scalar, const CoordinateAccess& access,
+                           const PositionKinematics& pos, const JointWrenches& joints) {
+  ScalarWrench out;
+  out.frames = &system.frames(access);
+  if (access.point >= 0) {
+    out.p = point_position(pos, {out.frames->node_2, out.frames->X_2M.p});
+    out.w.tail<3>() = Vector3d::Unit(access.axis);
+  } else {
+    const JointFrameWrenches& joint = joints[scalar.coordinate.joint.index()];
+    out.p = joint.p_M;
+    out.w = effort_wrench(system, scalar.coordinate, joint);
   }
   return out;
 }
@@ -81,29 +101,28 @@ void add_wrench(const PositionKinematics& pos, int node, const Vector3d& p, cons
 
 namespace {
 
-// A wrench on a cut joint's second body at p_M, and its opposite on the first.
-void add_pair(const PositionKinematics& pos, const CutJoint& cut, const Vector3d& p_M, const Wrenches& w,
+// A wrench on the second node of two frames at p_M, and its opposite on the first.
+void add_pair(const PositionKinematics& pos, const FramePair& frames, const Vector3d& p_M, const Wrenches& w,
               Loads& loads) {
-  add_wrench(pos, cut.frames.node_2, p_M, w, 1, loads.on_nodes);
-  add_wrench(pos, cut.frames.node_1, p_M, w, -1, loads.on_nodes);
+  add_wrench(pos, frames.node_2, p_M, w, 1, loads.on_nodes);
+  add_wrench(pos, frames.node_1, p_M, w, -1, loads.on_nodes);
 }
 
 // Multipliers of couplings act as efforts along the coordinates they join.
 void add_coupling_efforts(const System& system, const PositionKinematics& pos,
-                          const std::vector<JointFrameWrenches>& joints, Loads& loads) {
+                          const JointWrenches& joints, Loads& loads) {
   for (std::size_t c = 0; c < system.couplings.size(); ++c) {
     const CouplingRow& row = system.couplings[c];
     const Coupling& coupling = system.model->couplings()[c];
-    for (std::size_t i = 0; i < row.coordinates.size(); ++i) {
-      const Eigen::RowVectorXd effort = row.coefficients[i] * loads.lambda.row(row.row);
-      const CoordinateAccess& access = row.coordinates[i];
+    for (std::size_t i = 0; i < row.scalars.size(); ++i) {
+      const Eigen::RowVectorXd effort = joints.coupling_coefficients[c][i] * loads.lambda.row(row.row);
+      const CoordinateAccess& access = row.scalars[i];
       if (access.in_tree) {
         loads.tree_efforts.row(access.v) += effort;
         continue;
       }
-      const JointFrameWrenches& joint = joints[coupling.coordinates[i].joint.index()];
-      const Wrench w = effort_wrench(system, coupling.coordinates[i], joint);
-      add_pair(pos, system.cuts[access.cut], joint.p_M, w * effort, loads);
+      const ScalarWrench scalar = scalar_wrench(system, coupling.scalars[i], access, pos, joints);
+      add_pair(pos, *scalar.frames, scalar.p, scalar.w * effort, loads);
     }
   }
 }
@@ -133,7 +152,7 @@ MatrixXd constraint_part(const JointFrameWrenches& joint, const Wrenches& w, dou
 }
 
 MatrixXd distribute_to_joints(const System& system, const AllRows& rows, const Scaling& scaling,
-                              const PositionKinematics& pos, const std::vector<JointFrameWrenches>& joints,
+                              const PositionKinematics& pos, const JointWrenches& joints,
                               Loads loads) {
   MatrixXd all = MatrixXd::Zero(rows.size(), loads.lambda.cols());
   add_coupling_efforts(system, pos, joints, loads);
@@ -142,7 +161,7 @@ MatrixXd distribute_to_joints(const System& system, const AllRows& rows, const S
   }
   for (const CutJoint& cut : system.cuts) {
     const JointFrameWrenches& joint = joints[cut.joint.index()];
-    add_pair(pos, cut, joint.p_M, joint.T * loads.lambda.middleRows(cut.row, cut.type->row_count()), loads);
+    add_pair(pos, cut.frames, joint.p_M, joint.T * loads.lambda.middleRows(cut.row, cut.type->row_count()), loads);
   }
   for (int i = static_cast<int>(system.nodes.size()) - 1; i > 0; --i) {
     const JointId id = system.topology->forest.nodes[i].joint;

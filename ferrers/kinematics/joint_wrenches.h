@@ -31,9 +31,27 @@ struct JointFrameWrenches {
   Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6> T;  ///< 6 × rows, (moment, force) at p_M, world axes.
 };
 
+/// All joints' at one pose, and the gradients of the couplings there.
+struct JointWrenches {
+  std::vector<JointFrameWrenches> joints;
+  std::vector<std::vector<double>> coupling_coefficients;  ///< Per coupling and scalar.
+  const JointFrameWrenches& operator[](std::size_t joint) const { return joints[joint]; }
+  std::size_t size() const { return joints.size(); }
+};
+
 /// All joints' row wrenches at one pose.
-std::vector<JointFrameWrenches> compute_joint_frame_wrenches(const System& system, const State& state,
+JointWrenches compute_joint_frame_wrenches(const System& system, const State& state,
                                                              const PositionKinematics& pos);
+
+/// A wrench per unit effort along a scalar that is no entry of v: on the second node of its frames, opposite on the
+/// first.
+struct ScalarWrench {
+  const FramePair* frames = nullptr;
+  Vector3d p = Vector3d::Zero();  ///< World, m.
+  Wrench w = Wrench::Zero();
+};
+ScalarWrench scalar_wrench(const System& system, const StateScalar& scalar, const CoordinateAccess& access,
+                           const PositionKinematics& pos, const JointWrenches& joints);
 
 /// Wrench per unit effort along scalar coordinate `index` of a joint, on its second body at p_M.
 Wrench effort_wrench(const System& system, JointCoordinate coordinate, const JointFrameWrenches& joint);
@@ -58,7 +76,7 @@ MatrixXd constraint_part(const JointFrameWrenches& joint, const Wrenches& w, dou
 
 /// Multipliers of all rows that balance the loads: AllRows::size() × k. Uses up `loads`.
 MatrixXd distribute_to_joints(const System& system, const AllRows& rows, const Scaling& scaling,
-                              const PositionKinematics& pos, const std::vector<JointFrameWrenches>& joints,
+                              const PositionKinematics& pos, const JointWrenches& joints,
                               Loads loads);
 
 }  // namespace ferrers

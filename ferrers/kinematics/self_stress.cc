@@ -6,7 +6,7 @@
 namespace ferrers {
 
 SelfStressExtender::SelfStressExtender(const System& system, const Scaling& scaling, const AllRows& rows,
-                                       const PositionKinematics& pos, const std::vector<JointFrameWrenches>& joints)
+                                       const PositionKinematics& pos, const JointWrenches& joints)
     : system_(system),
       scaling_(scaling),
       rows_(rows),
@@ -54,14 +54,16 @@ void SelfStressExtender::load(const SparseRows& closure_rows) {
     }
     const Coupling& coupling = system_.model->couplings()[closure.coupling.index()];
     const CouplingRow& c = system_.couplings[closure.coupling.index()];
-    for (std::size_t i = 0; i < c.coordinates.size(); ++i) {
-      const JointFrameWrenches& joint = joints_[coupling.coordinates[i].joint.index()];
-      const Wrench w = effort_wrench(system_, coupling.coordinates[i], joint) * (c.coefficients[i] * value);
-      if (c.coordinates[i].in_tree) {
-        efforts_[system_.topology->node_of_joint[coupling.coordinates[i].joint.index()]] += w;
-      } else {
-        add_pair(system_.cuts[c.coordinates[i].cut].frames, joint.p_M, w);
+    for (std::size_t i = 0; i < c.scalars.size(); ++i) {
+      const double effort = joints_.coupling_coefficients[closure.coupling.index()][i] * value;
+      if (!c.scalars[i].in_tree) {
+        const ScalarWrench scalar = scalar_wrench(system_, coupling.scalars[i], c.scalars[i], pos_, joints_);
+        add_pair(*scalar.frames, scalar.p, scalar.w * effort);
+        continue;
       }
+      const JointCoordinate coordinate = coupling.scalars[i].coordinate;
+      efforts_[system_.topology->node_of_joint[coordinate.joint.index()]] +=
+          effort_wrench(system_, coordinate, joints_[coordinate.joint.index()]) * effort;
     }
   }
 }

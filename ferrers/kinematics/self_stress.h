@@ -16,7 +16,7 @@ using SparseRows = std::vector<std::pair<int, double>>;  ///< (row, value).
 class SelfStressExtender {
  public:
   SelfStressExtender(const System& system, const Scaling& scaling, const AllRows& rows, const PositionKinematics& pos,
-                     const std::vector<JointFrameWrenches>& joints);
+                     const JointWrenches& joints);
 
   /// From closure rows (of phi) to rows of `AllRows`.
   SparseRows extend(const SparseRows& closure_rows);
@@ -30,7 +30,7 @@ class SelfStressExtender {
   const Scaling& scaling_;
   const AllRows& rows_;
   const PositionKinematics& pos_;
-  const std::vector<JointFrameWrenches>& joints_;
+  const JointWrenches& joints_;
   std::vector<int> closure_of_row_, first_all_row_;
   std::vector<Wrench> on_nodes_;  ///< Zero between calls.
   std::vector<Wrench> efforts_;   ///< Per node: wrench of the efforts in its joint, at p_M. Zero between calls.

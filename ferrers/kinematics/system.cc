@@ -4,6 +4,7 @@
 
 #include "ferrers/core/checks.h"
 #include "ferrers/kinematics/constraints.h"
+#include "ferrers/kinematics/formula_rows.h"
 #include "ferrers/kinematics/state.h"
 
 namespace ferrers {
@@ -29,6 +30,11 @@ Node make_node(const System& system, const TreeNode& tree, int index) {
   node.q = system.topology->q_of_node[index];
   node.v = system.topology->v_of_node[index];
   if (index == 0) return node;
+  if (!tree.body.valid()) {  // a generalized coordinate
+    node.type = &joint_type_info(model.joint(tree.joint).type);
+    node.nq = node.nv = 1;
+    return node;
+  }
   Pose X_parent_body, X_body;  // the joint's frames in the two bodies' frames
   if (tree.joint.valid()) {
     const Joint& joint = model.joint(tree.joint);
@@ -110,6 +116,15 @@ void set_drawn_references(System& system) {
 
 }  // namespace
 
+CoordinateAccess System::scalar_access(const StateScalar& scalar) const {
+  if (!scalar.is_point()) return access(scalar.coordinate);
+  CoordinateAccess a;
+  a.in_tree = false;
+  a.point = scalar.point;
+  a.axis = scalar.axis;
+  return a;
+}
+
 CoordinateAccess System::access(JointCoordinate coordinate) const {
   CoordinateAccess a;
   const int node = topology->node_of_joint.at(coordinate.joint.index());
@@ -170,15 +185,23 @@ std::shared_ptr<const System> make_system(std::shared_ptr<const Model> model, co
     system->nodes.push_back(make_node(*system, t.forest.nodes[i], static_cast<int>(i)));
   }
   add_cuts(*system);
+  for (const RecordedPoint& point : system->model->records()) {
+    system->points.push_back(system->frame_pair(kGround, Pose(), point.body, {Matrix3d::Identity(), point.point_m}));
+  }
   for (const Closure& closure : t.closures) {
     if (!closure.coupling.valid()) continue;
     const Coupling& coupling = system->model->couplings()[closure.coupling.index()];
     CouplingRow row;
     row.row = closure.row;
     row.coefficients = coupling.coefficients;
-    for (const JointCoordinate c : coupling.coordinates) row.coordinates.push_back(system->access(c));
+    for (const StateScalar& scalar : coupling.scalars) row.scalars.push_back(system->scalar_access(scalar));
+    if (coupling.relation) {
+      if (coupling.relation->on_velocities) system->velocity_rows.push_back(row.row);
+      system->knows_time = system->knows_time || coupling.relation->offset.constant_value() != 0.0;
+    }
     system->couplings.push_back(std::move(row));
   }
+  add_formula_blocks(*system);
   name_coordinates(*system);
   name_rows(*system);
   set_drawn_references(*system);

@@ -53,19 +53,38 @@ struct CutJoint {
   int winding = 0;  ///< First of its references in `State::winding`.
 };
 
-/// Where a joint coordinate is found: an entry of q and v, or a function of a cut joint's pose.
+/// Where a scalar of the state is found: an entry of q and v, a function of a cut joint's pose, or of a point's.
 struct CoordinateAccess {
   bool in_tree = true;
   int q = -1, v = -1;
   int cut = -1;      ///< Index into `System::cuts`.
   int jet = -1;      ///< Which of the type's coordinate jets.
   int winding = -1;  ///< Reference of an angle, or −1.
+  int point = -1;    ///< Index into `System::points`, or −1.
+  int axis = 0;      ///< Of the point's position, world axes.
 };
 
 struct CouplingRow {
   int row = 0;
-  std::vector<CoordinateAccess> coordinates;
-  std::vector<double> coefficients;
+  std::vector<CoordinateAccess> scalars;
+  std::vector<double> coefficients;  ///< Of a linear coupling; else empty.
+  int block = -1, relation = -1;     ///< Of a relation: where it is evaluated. −1: linear.
+};
+
+/// Relations of one cluster, evaluated by one program so that what they share is computed once. Its inputs are the
+/// values of `scalars`, their rates, and t; its outputs are, relation by relation, phi, b, c and a_k (model/relation.h).
+struct FormulaBlock {
+  struct Row {
+    int coupling = 0;          ///< Index into `System::couplings`.
+    int row = 0;               ///< Of phi and G.
+    int first_output = 0;      ///< phi; then b, c and one a per scalar.
+    std::vector<int> scalars;  ///< Indices into those of the block.
+    bool in_tree = true;       ///< All its scalars are entries of v.
+  };
+  std::vector<CoordinateAccess> scalars;
+  std::vector<Row> rows;
+  ExpressionProgram program;
+  int input_count() const { return 2 * static_cast<int>(scalars.size()) + 1; }
 };
 
 /// A point fixed on a node.
@@ -80,13 +99,22 @@ struct System {
   int nq = 0, nv = 0, m = 0, winding_count = 0;
   std::vector<Node> nodes;  ///< [0] is ground; parents come first.
   std::vector<CutJoint> cuts;
-  std::vector<CouplingRow> couplings;
+  std::vector<CouplingRow> couplings;  ///< As many as the model's, in their order.
+  std::vector<FormulaBlock> formulas;
+  std::vector<FramePair> points;  ///< Ground's origin to each recorded point of the model.
+  bool knows_time = false;         ///< Some relation moves by itself: nu is not 0.
+  std::vector<int> velocity_rows;  ///< Rows that hold for velocities only: phi is 0 there whatever q is.
   std::vector<std::string> row_names;         ///< m: "joint/moment_x", or the coupling's name.
   std::vector<std::string> coordinate_names;  ///< nv: "joint" or "joint.coordinate".
   VectorXd drawn_winding;                     ///< Angles of the cut joints as drawn.
 
   const Joint& joint(const CutJoint& cut) const { return model->joint(cut.joint); }
   CoordinateAccess access(JointCoordinate coordinate) const;
+  CoordinateAccess scalar_access(const StateScalar& scalar) const;
+  /// The frames whose motion a scalar that is no entry of v measures.
+  const FramePair& frames(const CoordinateAccess& access) const {
+    return access.point >= 0 ? points[access.point] : cuts[access.cut].frames;
+  }
   FramePair frame_pair(BodyId first, const Pose& X_1F, BodyId second, const Pose& X_2M) const;
   /// F and M of any joint, in the tree or cut.
   FramePair frame_pair(JointId joint) const;

@@ -9,11 +9,20 @@ namespace ferrers {
 
 void ModelAssembler::build_records() {
   for (const RecordSpec& spec : spec_->records) {
+    if (spec.formula) continue;
     RecordedPoint point;
     point.name = spec.name.name;
     point.point_m = vector(spec.place, kLength, {"at", spec.name});
     point.body = find_body(spec.body, {"body", spec.name}).value_or(kGround);
     model_.records_.push_back(std::move(point));
+  }
+}
+
+void ModelAssembler::build_recorded_formulas() {
+  for (const RecordSpec& spec : spec_->records) {
+    if (!spec.formula) continue;
+    std::optional<Law> law = formula(*spec.formula, LawScope::kOfState, std::nullopt, {"record", spec.name});
+    if (law) model_.recorded_formulas_.push_back({spec.name.name, std::move(*law)});
   }
 }
 
@@ -26,10 +35,15 @@ void ModelAssembler::build_drive(const DriveSpec& spec) {
   drive.name = spec.name.name;
   if (place_drive(spec, drive)) {
     const bool on_joint = drive.kind == Drive::Kind::kCoordinate;
-    drive.motion = drive_laws(spec.motion, LawScope::kOfTime, on_joint ? position_dimension(drive.coordinate) : kLength,
-                              drive, {"motion", spec.name});
-    drive.effort = drive_laws(spec.effort, LawScope::kOfState, on_joint ? effort_dimension(drive.coordinate) : kForce,
-                              drive, {"effort", spec.name});
+    std::optional<Dimension> motion = kLength, effort = kForce;
+    if (on_joint) {
+      motion = position_dimension(drive.coordinate);
+      effort = effort_dimension(drive.coordinate);
+    } else if (drive.kind == Drive::Kind::kFormula) {
+      motion = effort = std::nullopt;  // what a formula measures is not asked
+    }
+    drive.motion = drive_laws(spec.motion, LawScope::kOfTime, motion, drive, {"motion", spec.name});
+    drive.effort = drive_laws(spec.effort, LawScope::kOfState, effort, drive, {"effort", spec.name});
   }
   if (spec.weight) {
     drive.weight = number(*spec.weight, kPureNumber, {"weight", spec.name});
@@ -43,11 +57,12 @@ void ModelAssembler::build_drive(const DriveSpec& spec) {
 }
 
 bool ModelAssembler::place_drive(const DriveSpec& spec, Drive& drive) {
-  const int targets = (spec.coordinate ? 1 : 0) + (spec.bodies || spec.points ? 1 : 0) + (spec.point ? 1 : 0);
+  const int targets = (spec.coordinate ? 1 : 0) + (spec.bodies || spec.points ? 1 : 0) + (spec.point ? 1 : 0) +
+                      (spec.quantity ? 1 : 0) + (spec.map.empty() ? 0 : 1);
   if (targets != 1) {
     diagnostics_.error("F329", place_or(spec.at, spec.name),
                        fmt::format("the drive '{}' must have exactly one target, not {}", spec.name.name, targets),
-                       "a joint, the distance of two points, or a recorded point");
+                       "a joint or coordinate, the distance of two points, a recorded point, a quantity or a map");
     return false;
   }
   if (spec.coordinate) {
@@ -55,6 +70,7 @@ bool ModelAssembler::place_drive(const DriveSpec& spec, Drive& drive) {
     if (found) drive.coordinate = *found;
     return found.has_value();
   }
+  if (spec.quantity || !spec.map.empty()) return place_drive_by_formula(spec, drive);
   if (!spec.point) return place_drive_between_points(spec, drive);
   const std::optional<int> record = find(record_index_, *spec.point, "recorded point", {"point", spec.name}, "F306");
   if (!record) return false;
@@ -87,8 +103,8 @@ bool ModelAssembler::place_drive_between_points(const DriveSpec& spec, Drive& dr
   return false;
 }
 
-std::vector<Law> ModelAssembler::drive_laws(const std::vector<LawSpec>& specs, LawScope scope, Dimension wanted,
-                                            const Drive& drive, Field field) {
+std::vector<Law> ModelAssembler::drive_laws(const std::vector<LawSpec>& specs, LawScope scope,
+                                            std::optional<Dimension> wanted, const Drive& drive, Field field) {
   std::vector<Law> laws;
   if (specs.empty()) return laws;
   if (specs.size() != static_cast<std::size_t>(drive.components())) {
@@ -115,6 +131,12 @@ void ModelAssembler::build_initial() {
       diagnostics_.error("F331", value.at, fmt::format("the initial values of '{}' are given twice", name));
     }
     given.emplace_back(value.coordinate, value.whole_joint);
+  }
+  for (const InitialValue& guess : coordinate_guesses_) {  // where `initial` says nothing else
+    const bool known = std::any_of(model_.initial_.begin(), model_.initial_.end(), [&](const InitialValue& value) {
+      return value.coordinate.joint == guess.coordinate.joint && !value.position.empty();
+    });
+    if (!known) model_.initial_.push_back(guess);
   }
 }
 

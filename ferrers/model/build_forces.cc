@@ -12,13 +12,12 @@ const CoordinateInfo& ModelAssembler::coordinate_info(JointCoordinate coordinate
 }
 
 Dimension ModelAssembler::effort_dimension(JointCoordinate coordinate) const {
-  const CoordinateKind kind = coordinate_info(coordinate).kind;
-  return kind == CoordinateKind::kAngle || kind == CoordinateKind::kRotationRate ? kTorque : kForce;
+  return kTorque / position_dimension(coordinate);  // work = effort × displacement
 }
 
 Dimension ModelAssembler::position_dimension(JointCoordinate coordinate) const {
-  const CoordinateKind kind = coordinate_info(coordinate).kind;
-  return kind == CoordinateKind::kAngle || kind == CoordinateKind::kRotationRate ? kPureNumber : kLength;
+  if (!joint_type_info(joint(coordinate.joint).type).carries_body) return joint(coordinate.joint).dimension;
+  return coordinate_info(coordinate).is_angular() ? kPureNumber : kLength;
 }
 
 void ModelAssembler::build_couplings() {
@@ -27,11 +26,12 @@ void ModelAssembler::build_couplings() {
     coupling.name = spec.name.name;
     for (const CoordinateRef& ref : spec.coordinates) {
       const std::optional<JointCoordinate> found = find_coordinate(ref, {"joints", spec.name});
-      if (found && std::count(coupling.coordinates.begin(), coupling.coordinates.end(), *found) != 0) {
+      const auto is_same = [&](const StateScalar& scalar) { return scalar.coordinate == *found; };
+      if (found && std::any_of(coupling.scalars.begin(), coupling.scalars.end(), is_same)) {
         diagnostics_.error("F328", place_or(ref.joint.at, spec.name),
                            fmt::format("the coupling '{}' names the same coordinate twice", spec.name.name));
       }
-      if (found) coupling.coordinates.push_back(*found);
+      if (found) coupling.scalars.push_back({*found});
     }
     for (const Number& c : spec.coefficients) {
       coupling.coefficients.push_back(number(c, std::nullopt, {"coefficients", spec.name}));

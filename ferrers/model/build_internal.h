@@ -30,6 +30,13 @@ struct BodyPair {
 /// A point or unit direction as the first and as the second body see it, in the world as drawn.
 using OnBoth = std::array<Vector3d, 2>;
 
+/// A formula of time and state: parameters are numbers, `names[i]` is what it calls `inputs[i]`.
+struct StateFormula {
+  Expression expression;
+  std::vector<std::string> names;
+  std::vector<LawInput> inputs;
+};
+
 /// Positions of the names of one kind in their list.
 using NameIndex = std::unordered_map<std::string, int>;
 
@@ -133,7 +140,17 @@ class ModelAssembler {
                              Field field);
   std::optional<Law> sampled(const LawSpec& spec, Field field);
   std::optional<LawInput> law_input(const ExpressionName& name, LawScope scope, Field field);
-  std::optional<LawInput> joint_input(const ExpressionName& name, std::size_t dot, Field field);
+  std::optional<LawInput> dotted_input(const ExpressionName& name, std::size_t dot, Field field);
+
+  // build_formulas.cc
+  void build_coordinates();
+  std::optional<StateFormula> state_formula(const Expression& expression, LawScope scope,
+                                            std::optional<Dimension> wanted, Field field);
+  void build_constraints();
+  std::optional<Expression> energy_of_mass_matrix();
+  void build_lagrangian();
+  bool place_drive_by_formula(const DriveSpec& spec, Drive& drive);
+  void build_motions();
 
   // build_forces.cc
   void build_couplings();
@@ -152,12 +169,13 @@ class ModelAssembler {
   void build_drive(const DriveSpec& spec);
   bool place_drive(const DriveSpec& spec, Drive& drive);
   bool place_drive_between_points(const DriveSpec& spec, Drive& drive);
-  std::vector<Law> drive_laws(const std::vector<LawSpec>& specs, LawScope scope, Dimension wanted, const Drive& drive,
-                              Field field);
+  std::vector<Law> drive_laws(const std::vector<LawSpec>& specs, LawScope scope, std::optional<Dimension> wanted,
+                              const Drive& drive, Field field);
   void build_initial();
   void build_initial_value(const InitialSpec& spec);
   std::vector<double> initial_numbers(const std::vector<Number>& numbers, std::size_t wanted, Field field);
   void build_records();
+  void build_recorded_formulas();
   void build_events();
 
   const Body& body(BodyId id) const { return model_.bodies_[static_cast<std::size_t>(id.index())]; }
@@ -170,6 +188,7 @@ class ModelAssembler {
   NameIndex parameter_index_, body_index_, joint_index_, record_index_, drive_index_;
   std::vector<bool> has_mass_centre_;  ///< Per body.
   std::vector<bool> joint_is_placed_;  ///< Per joint: its bodies and frames are known.
+  std::vector<InitialValue> coordinate_guesses_;
   std::vector<int> welded_to_;         ///< Per body: representative of the bodies it is welded to (0: ground).
 };
 

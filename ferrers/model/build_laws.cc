@@ -14,10 +14,6 @@ bool ends_with(std::string_view text, std::string_view end) {
   return text.size() > end.size() && text.substr(text.size() - end.size()) == end;
 }
 
-bool is_scalar(const CoordinateInfo& info) {
-  return info.kind == CoordinateKind::kAngle || info.kind == CoordinateKind::kDisplacement;
-}
-
 /// The words after "joint." that a law may use for a joint of this type.
 std::string readable_words(const JointTypeInfo& info) {
   std::string words;
@@ -27,8 +23,8 @@ std::string readable_words(const JointTypeInfo& info) {
     add("velocity");
   }
   for (const CoordinateInfo& coordinate : info.coordinates) {
-    add(coordinate.name);
-    if (is_scalar(coordinate)) add(std::string(coordinate.name) + std::string(kVelocitySuffix));
+    if (coordinate.name != "position") add(coordinate.name);
+    if (coordinate.is_scalar() && coordinate.name != "position") add(std::string(coordinate.name) + std::string(kVelocitySuffix));
   }
   return words;
 }
@@ -36,16 +32,23 @@ std::string readable_words(const JointTypeInfo& info) {
 /// What a word after "joint." reads; nothing where the type has no such value.
 std::optional<LawInput> read_word(const JointTypeInfo& info, JointId id, std::string_view word) {
   using Kind = LawInput::Kind;
-  if (info.coordinates.size() == 1 && word == "position") return LawInput{Kind::kPosition, {id, 0}};
-  if (info.coordinates.size() == 1 && word == "velocity") return LawInput{Kind::kVelocity, {id, 0}};
+  if (info.coordinates.size() == 1 && word == "position") return LawInput{Kind::kPosition, {{id, 0}}};
+  if (info.coordinates.size() == 1 && word == "velocity") return LawInput{Kind::kVelocity, {{id, 0}}};
   const bool rate = ends_with(word, kVelocitySuffix);
   if (rate) word.remove_suffix(kVelocitySuffix.size());
   for (std::size_t i = 0; i < info.coordinates.size(); ++i) {
     if (info.coordinates[i].name != word) continue;
-    const bool is_velocity = rate || !is_scalar(info.coordinates[i]);
-    return LawInput{is_velocity ? Kind::kVelocity : Kind::kPosition, {id, static_cast<int>(i)}};
+    const bool is_velocity = rate || !info.coordinates[i].is_scalar();
+    return LawInput{is_velocity ? Kind::kVelocity : Kind::kPosition, {{id, static_cast<int>(i)}}};
   }
   return std::nullopt;
+}
+
+std::optional<LawInput> read_point(int point, std::string_view word) {
+  const bool rate = ends_with(word, kVelocitySuffix);
+  if (rate) word.remove_suffix(kVelocitySuffix.size());
+  if (word.size() != 1 || word[0] < 'x' || word[0] > 'z') return std::nullopt;
+  return LawInput{rate ? LawInput::Kind::kVelocity : LawInput::Kind::kPosition, {{}, point, word[0] - 'x'}};
 }
 
 }  // namespace
@@ -84,33 +87,9 @@ std::optional<Law> ModelAssembler::sampled(const LawSpec& spec, Field field) {
 
 std::optional<Law> ModelAssembler::formula(const Expression& expression, LawScope scope,
                                            std::optional<Dimension> wanted, Field field) {
-  check_dimension(expression, wanted, field);
-  std::vector<std::string> names;
-  std::vector<LawInput> inputs;
-  bool usable = true;
-  for (const ExpressionName& name : expression.names()) {
-    const auto parameter = parameter_index_.find(name.name);
-    if (parameter != parameter_index_.end() && name.name != "t") {
-      usable = usable && std::isfinite(model_.parameters_[static_cast<std::size_t>(parameter->second)].value);
-      continue;
-    }
-    const std::optional<LawInput> input = law_input(name, scope, field);
-    usable = usable && input.has_value();
-    if (!input) continue;
-    names.push_back(name.name);
-    inputs.push_back(*input);
-  }
-  if (!usable) return std::nullopt;
-  const Expression with_numbers = expression.substitute([&](std::string_view name) -> std::optional<Expression> {
-    const auto parameter = parameter_index_.find(std::string(name));
-    if (name == "t" || parameter == parameter_index_.end()) return std::nullopt;
-    return Expression::constant(model_.parameters_[static_cast<std::size_t>(parameter->second)].value);
-  });
-  const std::optional<double> constant = with_numbers.constant_value();
-  if (!constant || std::isfinite(*constant)) return Law(with_numbers, std::move(names), std::move(inputs));
-  diagnostics_.error("F408", place_or(expression.at(), field.owner),
-                     fmt::format("the formula of '{}' of '{}' has no finite value", field.key, field.owner.name));
-  return std::nullopt;
+  std::optional<StateFormula> found = state_formula(expression, scope, wanted, field);
+  if (!found) return std::nullopt;
+  return Law(found->expression, std::move(found->names), std::move(found->inputs));
 }
 
 std::optional<LawInput> ModelAssembler::law_input(const ExpressionName& name, LawScope scope, Field field) {
@@ -118,11 +97,24 @@ std::optional<LawInput> ModelAssembler::law_input(const ExpressionName& name, La
   const std::size_t dot = name.name.find('.');
   const SourceRange at = place_or(name.at, field.owner);
   if (dot == std::string::npos) {
+    const auto known_joint = joint_index_.find(name.name);
+    const bool is_coordinate =
+        known_joint != joint_index_.end() && model_.is_coordinate(static_cast<std::size_t>(known_joint->second));
+    if (is_coordinate && scope == LawScope::kOfState) {
+      return LawInput{LawInput::Kind::kPosition, {{JointId(known_joint->second), 0}}};
+    }
     std::vector<std::string_view> known = {"t"};
     for (const Parameter& parameter : model_.parameters_) known.push_back(parameter.name);
+    for (std::size_t j = model_.coordinates_begin_; j < model_.joints_.size(); ++j) {
+      known.push_back(model_.joints_[j].name);
+    }
     std::string hint = did_you_mean(name.name, known);
-    if (hint.empty() && joint_index_.count(name.name) != 0) {
+    if (is_coordinate) {
+      hint = "a prescribed motion is a law of time only";
+    } else if (hint.empty() && known_joint != joint_index_.end()) {
       hint = fmt::format("the joint's coordinate is '{}.position'", name.name);
+    } else if (hint.empty() && record_index_.count(name.name) != 0) {
+      hint = fmt::format("the point's coordinates are '{0}.x', '{0}.y' and '{0}.z'", name.name);
     }
     diagnostics_.error("F403", at,
                        fmt::format("'{}' of '{}' uses '{}', which is neither 't' nor a parameter", field.key,
@@ -130,16 +122,25 @@ std::optional<LawInput> ModelAssembler::law_input(const ExpressionName& name, La
                        hint);
     return std::nullopt;
   }
-  if (scope == LawScope::kOfState) return joint_input(name, dot, field);
+  if (scope == LawScope::kOfState) return dotted_input(name, dot, field);
   diagnostics_.error("F330", at,
                      fmt::format("'{}' of '{}' uses '{}', but a prescribed motion is a law of time only", field.key,
                                  field.owner.name, name.name),
-                     "to tie joint coordinates to each other use a coupling");
+                     "to tie coordinates to each other use 'couplings' or 'constraints'");
   return std::nullopt;
 }
 
-std::optional<LawInput> ModelAssembler::joint_input(const ExpressionName& name, std::size_t dot, Field field) {
+/// `joint.position`, `coordinate.velocity`, `point.x`, `point.x.velocity`.
+std::optional<LawInput> ModelAssembler::dotted_input(const ExpressionName& name, std::size_t dot, Field field) {
   const SourceRange at = place_or(name.at, field.owner);
+  const std::string owner = name.name.substr(0, dot);
+  if (const auto point = record_index_.find(owner); point != record_index_.end() && joint_index_.count(owner) == 0) {
+    if (const auto input = read_point(point->second, std::string_view(name.name).substr(dot + 1))) return input;
+    diagnostics_.error("F305", at,
+                       fmt::format("a formula cannot read '{}' of the point '{}'", name.name.substr(dot + 1), owner),
+                       "it has x, y, z, x.velocity, y.velocity, z.velocity, in world axes");
+    return std::nullopt;
+  }
   const std::optional<JointId> id = find_joint(NameRef(name.name.substr(0, dot), at), field);
   if (!id) return std::nullopt;
   const JointTypeInfo& info = joint_type_info(joint(*id).type);

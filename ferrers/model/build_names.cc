@@ -45,18 +45,29 @@ void ModelAssembler::index_names() {
   index_all(spec_->bodies, body_index_, "body", 1);
   body_index_[std::string(kGroundName)] = 0;
   index_all(spec_->joints, joint_index_, "joint");
-  index_all(spec_->records, record_index_, "recorded point");
+  index_all(spec_->lagrangian.coordinates, joint_index_, "coordinate", static_cast<int>(spec_->joints.size()));
+  NameIndex formulas;
+  int points = 0;
+  for (const RecordSpec& record : spec_->records) {
+    if (record.formula) {
+      add_name(formulas, record.name, 0, "recorded formula");
+    } else {
+      add_name(record_index_, record.name, points++, "recorded point");
+    }
+  }
   index_all(spec_->drives, drive_index_, "drive");
   NameIndex couplings, forces, events;
   index_all(spec_->couplings, couplings, "coupling");
+  index_all(spec_->constraints, couplings, "constraint");
   index_all(spec_->forces, forces, "force element");
   index_all(spec_->events, events, "event");
-  for (const CouplingSpec& coupling : spec_->couplings) {
-    if (joint_index_.count(coupling.name.name) == 0) continue;
-    diagnostics_.error("F302", coupling.name.at,
-                       fmt::format("the coupling '{}' has the name of a joint", coupling.name.name),
-                       "constraint rows are named after joints and couplings, so their names must differ");
-  }
+  const auto check_row_name = [this](const NameRef& name, std::string_view kind) {
+    if (joint_index_.count(name.name) == 0) return;
+    diagnostics_.error("F302", name.at, fmt::format("the {} '{}' has the name of a joint", kind, name.name),
+                       "constraint rows are named after joints, couplings and constraints, so their names must differ");
+  };
+  for (const CouplingSpec& coupling : spec_->couplings) check_row_name(coupling.name, "coupling");
+  for (const ConstraintSpec& constraint : spec_->constraints) check_row_name(constraint.name, "constraint");
 }
 
 std::optional<int> ModelAssembler::find(const NameIndex& index, const NameRef& name, std::string_view kind, Field field,
@@ -89,9 +100,7 @@ std::optional<JointCoordinate> ModelAssembler::find_coordinate(const CoordinateR
   const JointTypeInfo& info = joint_type_info(joint(*id).type);
   std::vector<std::string_view> known;
   for (const CoordinateInfo& coordinate : info.coordinates) {
-    if (coordinate.kind == CoordinateKind::kAngle || coordinate.kind == CoordinateKind::kDisplacement) {
-      known.push_back(coordinate.name);
-    }
+    if (coordinate.is_scalar()) known.push_back(coordinate.name);
   }
   const SourceRange at = place_or(ref.joint.at, field.owner);
   if (known.empty()) {

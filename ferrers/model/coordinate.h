@@ -18,11 +18,21 @@ struct JointCoordinate {
   auto operator<=>(const JointCoordinate&) const = default;
 };
 
-/// A value that a law reads: time, or a joint coordinate's position or velocity.
+/// A scalar of the state that formulas read: a joint coordinate, a generalized coordinate (see `Model::joints`), or
+/// one world coordinate of a recorded point.
+struct StateScalar {
+  JointCoordinate coordinate;  ///< Not used by points.
+  int point = -1;              ///< Index into `Model::records`, or −1: a coordinate.
+  int axis = 0;                ///< 0, 1, 2: x, y, z of the point.
+  bool is_point() const { return point >= 0; }
+  auto operator<=>(const StateScalar&) const = default;
+};
+
+/// A value that a law reads: time, or a scalar's position or velocity.
 struct LawInput {
   enum class Kind { kTime, kPosition, kVelocity };
   Kind kind = Kind::kTime;
-  JointCoordinate coordinate;  ///< Not used by kTime.
+  StateScalar scalar;  ///< Not used by kTime.
   bool operator==(const LawInput&) const = default;
 };
 

@@ -31,4 +31,21 @@ std::string Model::coordinate_name(JointCoordinate coordinate) const {
   return owner.name + "." + std::string(names[static_cast<std::size_t>(coordinate.index)].name);
 }
 
+namespace {
+
+constexpr std::array<std::string_view, 3> kAxes = {".x", ".y", ".z"};
+
+}  // namespace
+
+std::string Model::scalar_name(const StateScalar& scalar) const {
+  if (scalar.is_point()) return records_.at(scalar.point).name + std::string(kAxes.at(scalar.axis));
+  const std::string name = coordinate_name(scalar.coordinate);
+  const JointTypeInfo& type = joint_type_info(joint(scalar.coordinate.joint).type);
+  return type.carries_body && type.nv == 1 ? name + ".position" : name;
+}
+
+std::string Model::rate_name(const StateScalar& scalar) const {
+  return (scalar.is_point() ? scalar_name(scalar) : coordinate_name(scalar.coordinate)) + ".velocity";
+}
+
 }  // namespace ferrers

@@ -14,6 +14,7 @@
 #include "ferrers/math/rotation.h"
 #include "ferrers/model/coordinate.h"
 #include "ferrers/model/law.h"
+#include "ferrers/model/relation.h"
 #include "ferrers/model/spec.h"
 
 namespace ferrers {
@@ -50,8 +51,9 @@ struct Friction {
   double viscous = 0, coulomb = 0, radius_m = 0;
 };
 
-/// A joint: frame F on its first body and frame M on its second coincide when every coordinate is zero
-/// (for `distance` and `gear_mesh`, F and M sit at the two points or centres).
+/// A joint, or a generalized coordinate (`Model::coordinates_begin`). Frame F on its first body and frame M on its
+/// second coincide when every coordinate is zero (for `distance` and `gear_mesh`, F and M sit at the two points or
+/// centres).
 struct Joint {
   std::string name;
   JointType type = JointType::kRevolute;
@@ -63,13 +65,16 @@ struct Joint {
   std::optional<Vector6d> misalignment;  ///< Translation (3) then rotation (3) in F axes.
   std::optional<std::array<double, 2>> limits;
   std::optional<Friction> friction;
-  bool drawn = true;  ///< False: given on each body by itself, so a loop need not close as drawn.
+  bool drawn = true;    ///< False: given on each body by itself, so a loop need not close as drawn.
+  Dimension dimension;  ///< Of a generalized coordinate.
 };
 
+/// One equation between scalars of the state: linear with constant coefficients, or a relation by formulas.
 struct Coupling {
   std::string name;
-  std::vector<JointCoordinate> coordinates;
-  std::vector<double> coefficients;  ///< Σ c q = 0.
+  std::vector<StateScalar> scalars;          ///< What it joins.
+  std::vector<double> coefficients;          ///< Σ c q = 0; empty where there is a relation.
+  std::shared_ptr<const Relation> relation;  ///< Over the same scalars, in their order; null: linear.
 };
 
 struct Spring {
@@ -102,15 +107,20 @@ struct ForceElement {
   std::variant<Spring, TorsionSpring, JointDamping, Bushing, Load> element;
 };
 
-/// A drive on a joint coordinate, on the distance of two points, or on a recorded point (three components, world axes).
+/// A drive on a joint coordinate, on the distance of two points, on a recorded point (three components, world axes), or
+/// by a formula: on a quantity s of the state, or by its map d_j alone.
 struct Drive {
-  enum class Kind { kCoordinate, kDistance, kPoint };
+  enum class Kind { kCoordinate, kDistance, kPoint, kFormula };
   std::string name;
   Kind kind = Kind::kCoordinate;
   JointCoordinate coordinate;  ///< kCoordinate.
   BodyId first, second;        ///< kDistance; kPoint: `second` carries the point.
   Vector3d point_1_m = Vector3d::Zero(), point_2_m = Vector3d::Zero();
-  std::vector<Law> motion;  ///< Empty, 1, or 3 for kPoint.
+  /// kFormula: s = 0 as a relation, whose gradient is d_j; `on_velocities` for a map.
+  std::shared_ptr<const Relation> relation;
+  std::vector<StateScalar> scalars;  ///< kFormula: of the relation.
+  bool acts = true;                  ///< False: a prescribed motion without a drive of its own (`motions`).
+  std::vector<Law> motion;           ///< Empty, 1, or 3 for kPoint.
   std::vector<Law> effort;
   double weight = 1;  ///< Of the effort (N, N·m) where drives share a load: Σ (weight · effort)² is the least.
   int components() const { return kind == Kind::kPoint ? 3 : 1; }
@@ -128,6 +138,12 @@ struct RecordedPoint {
   std::string name;
   BodyId body;
   Vector3d point_m = Vector3d::Zero();  ///< In the body's frame.
+};
+
+/// A formula of time and state that is written with the results.
+struct RecordedFormula {
+  std::string name;
+  Law law;
 };
 
 struct Event {
@@ -155,12 +171,19 @@ class Model {
   const std::string& name() const { return name_; }
   const Vector3d& gravity() const { return gravity_; }
   const std::vector<Body>& bodies() const { return bodies_; }  ///< [0] is ground.
+  /// In the order of the file; after them, from `coordinates_begin` on, the generalized coordinates of `lagrangian`,
+  /// which stand here so that they are named, driven, started and recorded like joint coordinates.
   const std::vector<Joint>& joints() const { return joints_; }
+  std::size_t coordinates_begin() const { return coordinates_begin_; }
+  bool is_coordinate(std::size_t joint) const { return joint >= coordinates_begin_; }
+  /// `couplings` of the file, then `constraints`.
   const std::vector<Coupling>& couplings() const { return couplings_; }
+  const Lagrangian& lagrangian() const { return lagrangian_; }
   const std::vector<ForceElement>& forces() const { return forces_; }
   const std::vector<Drive>& drives() const { return drives_; }
   const std::vector<InitialValue>& initial() const { return initial_; }
   const std::vector<RecordedPoint>& records() const { return records_; }
+  const std::vector<RecordedFormula>& recorded_formulas() const { return recorded_formulas_; }
   const std::vector<Event>& events() const { return events_; }
   const std::vector<Parameter>& parameters() const { return parameters_; }
   const ModelSpec& spec() const { return *spec_; }
@@ -172,6 +195,9 @@ class Model {
   std::optional<JointId> find_joint(std::string_view name) const;
   /// "joint" or "joint.coordinate", as couplings and drives write it.
   std::string coordinate_name(JointCoordinate coordinate) const;
+  /// As formulas write its value and its rate: "theta", "main.position", "P.x"; "theta.velocity", "P.x.velocity".
+  std::string scalar_name(const StateScalar& scalar) const;
+  std::string rate_name(const StateScalar& scalar) const;
 
   /// The same mechanism with other parameter values (SI), on top of those that this model was built with.
   /// Unknown names and bad results are diagnostics. Cost: that of `build_model`.
@@ -183,11 +209,14 @@ class Model {
   Vector3d gravity_ = Vector3d(0, 0, -9.81);
   std::vector<Body> bodies_;
   std::vector<Joint> joints_;
+  std::size_t coordinates_begin_ = 0;
   std::vector<Coupling> couplings_;
+  Lagrangian lagrangian_;
   std::vector<ForceElement> forces_;
   std::vector<Drive> drives_;
   std::vector<InitialValue> initial_;
   std::vector<RecordedPoint> records_;
+  std::vector<RecordedFormula> recorded_formulas_;
   std::vector<Event> events_;
   std::vector<Parameter> parameters_;
   std::shared_ptr<const ModelSpec> spec_;

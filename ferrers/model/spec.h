@@ -103,6 +103,10 @@ enum class JointType {
   kDistance,
   kGearMesh,
   kFree,
+  // Not joints of the file: generalized coordinates of `lagrangian`, which carry no body.
+  kAngleCoordinate,
+  kLengthCoordinate,
+  kOtherCoordinate,
 };
 
 struct StiffnessSpec {
@@ -154,6 +158,37 @@ struct CouplingSpec {
   SourceRange at;
 };
 
+/// A relation between coordinates by a formula: phi = 0 of positions and time, or one that is linear in velocities.
+struct ConstraintSpec {
+  NameRef name;
+  Expression formula;          ///< Over coordinates, points, parameters and t; is zero.
+  bool on_velocities = false;  ///< Linear in velocities (rolling); need not be the derivative of anything.
+  SourceRange at;
+};
+
+/// A generalized coordinate of a system given by its own energies and constraints.
+struct GeneralCoordinateSpec {
+  NameRef name;
+  Dimension dimension;          ///< Of its unit; an angle is a pure number.
+  std::optional<Number> guess;  ///< Where the assembly starts; else 0.
+  std::optional<std::array<Number, 2>> limits;
+};
+
+/// A system given as the source method gives it [stepanyan, eq. (5)]: energies and forces as formulas over the state.
+/// Absent formulas are zero; `mass_matrix` stands for a kinetic energy ½ vᵀ M v.
+struct LagrangianSpec {
+  std::vector<GeneralCoordinateSpec> coordinates;
+  std::optional<Expression> kinetic_energy, potential_energy;
+  std::optional<Expression> dissipation;             ///< Rayleigh's function: forces −∂R/∂v.
+  std::vector<std::vector<Expression>> mass_matrix;  ///< In the order of the coordinates; empty: not given.
+  std::vector<std::pair<CoordinateRef, Expression>> forces;  ///< Generalized forces along coordinates.
+  SourceRange at;
+  bool given() const {
+    return !coordinates.empty() || kinetic_energy || potential_energy || dissipation || !mass_matrix.empty() ||
+           !forces.empty();
+  }
+};
+
 /// A scalar function of time, or of time and joint coordinates.
 struct LawSpec {
   std::optional<Expression> expression;  ///< Over t, parameters and (for efforts and forces) joint coordinates.
@@ -170,7 +205,10 @@ struct DriveSpec {
   std::optional<std::array<NameRef, 2>>
       bodies;  ///< on the distance of two points (drawn, or in body frames if posed), or
   std::optional<std::array<Number3, 2>> points;
-  std::optional<NameRef> point;         ///< on a recorded point (three laws, world axes).
+  std::optional<NameRef> point;         ///< on a recorded point (three laws, world axes), or
+  std::optional<Expression> quantity;   ///< on a quantity s of the state: d_j = ∂s/∂q_j, or
+  /// by its map d_j alone: formulas along coordinates. Such a drive moves nothing that could be prescribed.
+  std::vector<std::pair<CoordinateRef, Expression>> map;
   std::vector<LawSpec> motion, effort;  ///< Empty, one, or three (recorded point).
   std::optional<Number> weight;         ///< Of its effort where drives share a load.
   SourceRange at;
@@ -224,6 +262,7 @@ struct RecordSpec {
   NameRef name;
   NameRef body;
   Number3 place;  ///< In the body's drawing frame.
+  std::optional<Expression> formula;  ///< Instead of a point: a formula of time and state.
   SourceRange at;
 };
 
@@ -244,6 +283,9 @@ struct ModelSpec {
   std::vector<BodySpec> bodies;  ///< Without ground.
   std::vector<JointSpec> joints;
   std::vector<CouplingSpec> couplings;
+  std::vector<ConstraintSpec> constraints;
+  LagrangianSpec lagrangian;
+  std::vector<std::pair<CoordinateRef, LawSpec>> motions;  ///< Prescribed without a drive of their own.
   std::vector<ForceSpec> forces;
   std::vector<DriveSpec> drives;
   std::vector<InitialSpec> initial;

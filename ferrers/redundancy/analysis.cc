@@ -94,7 +94,7 @@ void collect_self_stresses(const System& system, const Scaling& scaling, const S
                            const ClusterDecision& decision, RedundancyReport& report) {
   PositionKinematics pos = make_position_kinematics(system);
   compute_positions(system, state.q, pos);
-  const std::vector<JointFrameWrenches> joints = compute_joint_frame_wrenches(system, state, pos);
+  const JointWrenches joints = compute_joint_frame_wrenches(system, state, pos);
   SelfStressExtender extender(system, scaling, report.rows, pos, joints);
   Collected out;
   GroupWriter writer(system, report.rows, out);
@@ -173,7 +173,8 @@ std::vector<ReactionUniqueness> judge_reactions(const System& system, const AllR
 void fill_counts(const System& system, RedundancyReport& report) {
   const Topology& t = *system.topology;
   report.bodies = t.moving_bodies;
-  report.joints = static_cast<int>(system.model->joints().size());
+  report.joints = static_cast<int>(system.model->coordinates_begin());
+  report.coordinates = t.general_coordinates;
   report.constraint_rows = t.joint_rows;
   report.grubler = t.grubler();
   report.closure_coordinates = system.nv;
@@ -187,7 +188,7 @@ void fill_counts(const System& system, RedundancyReport& report) {
 }  // namespace
 
 MatrixXd complete_self_stresses(const System& system, const Scaling& scaling, const AllRows& rows,
-                                const PositionKinematics& pos, const std::vector<JointFrameWrenches>& joints,
+                                const PositionKinematics& pos, const JointWrenches& joints,
                                 const MatrixXd& closure_part) {
   const int count = static_cast<int>(closure_part.cols());
   if (count == 0) return MatrixXd::Zero(rows.size(), 0);

@@ -49,6 +49,7 @@ struct ReactionUniqueness {
 
 struct RedundancyReport {
   int bodies = 0, joints = 0;
+  int coordinates = 0;  ///< Generalized coordinates, which carry no body.
   int constraint_rows = 0, rank = 0, mobility = 0, redundant = 0,
       grubler = 0;                                                  ///< Over all joints, 6 velocities a body.
   int closure_coordinates = 0, closure_rows = 0, closure_rank = 0;  ///< n, m, r in tree coordinates.
@@ -83,7 +84,7 @@ Selection reselect(const System& system, const Scaling& scaling, const Constrain
 
 /// Self-stresses over all rows (orthonormal in scaled units) from their closure rows' part (m × k).
 MatrixXd complete_self_stresses(const System& system, const Scaling& scaling, const AllRows& rows,
-                                const PositionKinematics& pos, const std::vector<JointFrameWrenches>& joints,
+                                const PositionKinematics& pos, const JointWrenches& joints,
                                 const MatrixXd& closure_part);
 
 /// The closure rows' part of the self-stresses by elimination with a selection: no rank is decided. m × (m − r).

@@ -56,7 +56,7 @@ class Fit {
         }
       }
     }
-    const std::vector<JointFrameWrenches> joints = compute_joint_frame_wrenches(system_, fit.state, pos_);
+    const JointWrenches joints = compute_joint_frame_wrenches(system_, fit.state, pos_);
     const MatrixXd D = joint_loads(joints);
     const std::vector<ComponentMap> maps = compute_component_maps(system_, joints);
     const VectorXd row_scale = scaling_.rows(cluster_.rows);
@@ -74,7 +74,7 @@ class Fit {
   }
 
   // Loads of all joints' rows (SI) per scaled unit of the closure rows.
-  MatrixXd joint_loads(const std::vector<JointFrameWrenches>& joints) const {
+  MatrixXd joint_loads(const JointWrenches& joints) const {
     const int m = static_cast<int>(cluster_.rows.size());
     Loads loads = make_loads(system_, m);
     for (int i = 0; i < m; ++i) loads.lambda(cluster_.rows[i], i) = scaling_.rows[cluster_.rows[i]];

@@ -40,8 +40,9 @@ class Extractor {
       if (whole_.topology->closures[c].joint.valid()) add_cut(c);
     }
     for (const int c : cluster.closures) {
-      if (!whole_.topology->closures[c].joint.valid()) add_coupling(whole_.topology->closures[c].row);
+      if (!whole_.topology->closures[c].joint.valid()) add_coupling(whole_.topology->closures[c].coupling.index());
     }
+    for (const auto& [whole_block, block] : blocks_) add_block(whole_.formulas[whole_block]);
     out_.system.m = static_cast<int>(out_.rows.size());
   }
 
@@ -80,9 +81,7 @@ class Extractor {
   void add_cut(int c) {
     CutJoint cut = whole_.cuts[c];
     cuts_[c] = static_cast<int>(out_.system.cuts.size());
-    cut.frames.node_1 = node_of(cut.frames.node_1);
-    cut.frames.node_2 = node_of(cut.frames.node_2);
-    for (FramePair::PathEntry& entry : cut.frames.path) entry.node = node_of(entry.node);
+    renumber(cut.frames);
     const int row = static_cast<int>(out_.rows.size());
     for (int i = 0; i < cut.type->row_count(); ++i) add_row(cut.row + i);
     cut.row = row;
@@ -92,21 +91,51 @@ class Extractor {
     out_.system.cuts.push_back(std::move(cut));
   }
 
-  void add_coupling(int whole_row) {
-    CouplingRow row = *std::find_if(whole_.couplings.begin(), whole_.couplings.end(),
-                                    [&](const CouplingRow& r) { return r.row == whole_row; });
-    row.row = add_row(whole_row);
-    for (CoordinateAccess& access : row.coordinates) {
-      if (access.in_tree) {
-        access.v = columns_.at(access.v);
-        if (access.q >= 0) access.q = node_position(access.q);
-        continue;
+  void add_coupling(int coupling) {
+    CouplingRow row = whole_.couplings[coupling];
+    const auto& velocity_rows = whole_.velocity_rows;
+    const bool on_velocities = std::find(velocity_rows.begin(), velocity_rows.end(), row.row) != velocity_rows.end();
+    row.row = add_row(row.row);
+    if (on_velocities) out_.system.velocity_rows.push_back(row.row);
+    for (CoordinateAccess& access : row.scalars) renumber(access);
+    if (row.block >= 0) row.block = blocks_.emplace(row.block, static_cast<int>(blocks_.size())).first->second;
+    couplings_[coupling] = static_cast<int>(out_.system.couplings.size());
+    out_.system.couplings.push_back(std::move(row));
+  }
+
+  // A block of relations belongs to one cluster as a whole.
+  void add_block(FormulaBlock block) {
+    for (CoordinateAccess& access : block.scalars) renumber(access);
+    for (FormulaBlock::Row& row : block.rows) {
+      row.coupling = couplings_.at(row.coupling);
+      row.row = out_.system.couplings[row.coupling].row;
+    }
+    out_.system.formulas.push_back(std::move(block));
+  }
+
+  void renumber(CoordinateAccess& access) {
+    if (access.in_tree) {
+      access.v = columns_.at(access.v);
+      if (access.q >= 0) access.q = node_position(access.q);
+    } else if (access.point >= 0) {
+      const auto [found, is_new] = points_.emplace(access.point, static_cast<int>(out_.system.points.size()));
+      if (is_new) {
+        FramePair frames = whole_.points[access.point];
+        renumber(frames);
+        out_.system.points.push_back(std::move(frames));
       }
+      access.point = found->second;
+    } else {
       const int winding = access.winding - whole_.cuts[access.cut].winding;
       access.cut = cuts_.at(access.cut);
       if (access.winding >= 0) access.winding = out_.system.cuts[access.cut].winding + winding;
     }
-    out_.system.couplings.push_back(std::move(row));
+  }
+
+  void renumber(FramePair& frames) const {
+    frames.node_1 = node_of(frames.node_1);
+    frames.node_2 = node_of(frames.node_2);
+    for (FramePair::PathEntry& entry : frames.path) entry.node = node_of(entry.node);
   }
 
   int node_position(int q) const {
@@ -116,7 +145,7 @@ class Extractor {
 
   const System& whole_;
   ClusterSystem& out_;
-  std::map<int, int> nodes_, columns_, cuts_;
+  std::map<int, int> nodes_, columns_, cuts_, couplings_, blocks_, points_;
   std::map<int, int> positions_;  // first q of every node
 };
 

@@ -174,7 +174,7 @@ JointSprings make_joint_springs(const System& system, DistributionBy by, double 
   return springs;
 }
 
-std::vector<ComponentMap> compute_component_maps(const System& system, const std::vector<JointFrameWrenches>& joints) {
+std::vector<ComponentMap> compute_component_maps(const System& system, const JointWrenches& joints) {
   std::vector<ComponentMap> maps(joints.size());
   for (std::size_t j = 0; j < joints.size(); ++j) {
     const JointFrameWrenches& frame = joints[j];

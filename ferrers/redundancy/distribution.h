@@ -55,7 +55,7 @@ JointSprings make_joint_springs(const System& system, DistributionBy by, double 
 /// S_j: components of a joint's wrench per unit multiplier, 6 × rows: force then moment, N and N·m, on the second body
 /// at the joint's point. Along F; of a gear mesh with x along its line of action, which F does not follow.
 using ComponentMap = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6>;
-std::vector<ComponentMap> compute_component_maps(const System& system, const std::vector<JointFrameWrenches>& joints);
+std::vector<ComponentMap> compute_component_maps(const System& system, const JointWrenches& joints);
 
 /// One component of a joint that gives way and that some self-stress loads.
 struct SpringComponent {

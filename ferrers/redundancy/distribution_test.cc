@@ -23,7 +23,7 @@ struct Pose {
   EngineProbe engine;
   State state;
   AllRows rows;
-  std::vector<JointFrameWrenches> joints;
+  JointWrenches joints;
   std::vector<ComponentMap> maps;
   MatrixXd Z;
   JointSprings springs;

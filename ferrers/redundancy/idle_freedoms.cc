@@ -35,9 +35,9 @@ Eigen::Matrix<double, 1, 6> moved(const Wrench& W, const Vector3d& p, const Vect
 
 SpinAnalyzer::SpinAnalyzer(const System& system, const State& state, const RedundancyReport& report)
     : system_(system), report_(report) {
-  PositionKinematics pos = make_position_kinematics(system);
-  compute_positions(system, state.q, pos);
-  wrenches_ = compute_joint_frame_wrenches(system, state, pos);
+  pos_ = make_position_kinematics(system);
+  compute_positions(system, state.q, pos_);
+  wrenches_ = compute_joint_frame_wrenches(system, state, pos_);
   const Model& model = *system.model;
   const std::vector<int> root = weld_roots(model);
   joints_of_.resize(model.bodies().size());
@@ -55,20 +55,35 @@ SpinAnalyzer::SpinAnalyzer(const System& system, const State& state, const Redun
 
 void SpinAnalyzer::add_extra_rows() {
   const Model& model = *system_.model;
-  const auto add = [&](const std::vector<JointCoordinate>& coordinates, const std::vector<double>& coefficients) {
+  const auto add_part = [&](ExtraRow& row, std::pair<int, int> bodies, const Vector3d& p, const Wrench& W) {
+    row.parts.push_back({bodies, p, W});
+    for (const int body : {bodies.first, bodies.second}) extra_of_[body].push_back(static_cast<int>(extra_.size()));
+  };
+  const std::vector<int> root = weld_roots(model);
+  const auto add_scalar = [&](ExtraRow& row, const StateScalar& scalar, double coefficient) {
+    if (scalar.is_point()) {
+      const RecordedPoint& point = model.records()[scalar.point];
+      Wrench W = Wrench::Zero();
+      W.tail<3>() = coefficient * Vector3d::Unit(scalar.axis);
+      add_part(row, {ground_, root[point.body.index()]},
+               point_position(pos_, system_.point(point.body, point.point_m)), W);
+      return;
+    }
+    const int j = scalar.coordinate.joint.index();
+    add_part(row, bodies_of_[j], wrenches_[j].p_M, coefficient * effort_wrench(system_, scalar.coordinate, wrenches_[j]));
+  };
+  for (std::size_t c = 0; c < model.couplings().size(); ++c) {
     ExtraRow row;
-    for (std::size_t i = 0; i < coordinates.size(); ++i) {
-      const int j = coordinates[i].joint.index();
-      row.parts.emplace_back(j, coefficients[i] * effort_wrench(system_, coordinates[i], wrenches_[j]));
-      for (const int body : {bodies_of_[j].first, bodies_of_[j].second}) {
-        extra_of_[body].push_back(static_cast<int>(extra_.size()));
-      }
+    for (std::size_t i = 0; i < model.couplings()[c].scalars.size(); ++i) {
+      add_scalar(row, model.couplings()[c].scalars[i], wrenches_.coupling_coefficients[c][i]);
     }
     extra_.push_back(std::move(row));
-  };
-  for (const Coupling& coupling : model.couplings()) add(coupling.coordinates, coupling.coefficients);
+  }
   for (const Drive& drive : model.drives()) {
-    if (drive.kind == Drive::Kind::kCoordinate) add({drive.coordinate}, {1.0});
+    if (drive.kind != Drive::Kind::kCoordinate) continue;
+    ExtraRow row;
+    add_scalar(row, {drive.coordinate}, 1);
+    extra_.push_back(std::move(row));
   }
 }
 
@@ -107,9 +122,9 @@ MatrixXd SpinAnalyzer::spins(int body, const std::vector<std::pair<int, const Ma
   }
   for (const int e : extra_of_[body]) {
     MatrixXd row = MatrixXd::Zero(1, 6);
-    for (const auto& [j, W] : extra_[e].parts) {
-      const double side = (bodies_of_[j].second == body ? 1 : 0) - (bodies_of_[j].first == body ? 1 : 0);
-      row += side * moved(W, wrenches_[j].p_M, p);
+    for (const auto& [bodies, at, W] : extra_[e].parts) {
+      const double side = (bodies.second == body ? 1 : 0) - (bodies.first == body ? 1 : 0);
+      row += side * moved(W, at, p);
     }
     row.leftCols<3>() /= L;
     const double size = row.norm();

@@ -42,13 +42,19 @@ class SpinAnalyzer {
   std::vector<IdleFreedom> find() const;
 
  private:
-  struct ExtraRow {  // of a coupling or a drive: wrenches on the second bodies of joints
-    std::vector<std::pair<int, Wrench>> parts;
+  struct ExtraRow {  // of a coupling or a drive: wrenches on the second of two bodies, opposite on the first
+    struct Part {
+      std::pair<int, int> bodies;
+      Vector3d p;
+      Wrench W;
+    };
+    std::vector<Part> parts;
   };
   void add_extra_rows();
   const System& system_;
   const RedundancyReport& report_;
-  std::vector<JointFrameWrenches> wrenches_;
+  PositionKinematics pos_;
+  JointWrenches wrenches_;
   std::vector<std::string> name_of_;
   std::vector<std::vector<int>> joints_of_, extra_of_;
   std::vector<std::pair<int, int>> bodies_of_;

@@ -11,7 +11,7 @@
 /// the self-stresses of a `RedundancyReport` are its left null space. Cost: O(rows · bodies), dense.
 namespace ferrers {
 
-/// G_all in SI units. Shape: rows × 6·(moving bodies).
+/// G_all in SI units. Shape: rows × `Topology::full_velocities`: 6 per moving body, then the generalized coordinates.
 MatrixXd compute_joint_jacobian(const System& system, const State& state, const AllRows& rows);
 
 /// The same with rows and columns comparable: moment rows times L, angular columns divided by L.

@@ -410,7 +410,7 @@ class GroupFinder {
   std::vector<std::vector<std::pair<int, double>>> rows_;
   std::vector<int> local_;
   MatrixXd metric_;  // of the group at hand
-  std::vector<JointFrameWrenches> wrenches_;
+  JointWrenches wrenches_;
 };
 
 }  // namespace

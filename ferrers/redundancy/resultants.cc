@@ -101,7 +101,7 @@ class Finder {
   const RedundancyReport& report_;
   std::vector<int> group_;
   Eigen::SparseMatrix<double, Eigen::RowMajor> Z_;
-  std::vector<JointFrameWrenches> wrenches_;
+  JointWrenches wrenches_;
   std::vector<UniqueResultant> found_;
 };
 

@@ -21,8 +21,9 @@ std::vector<double> position_scales(const DynamicsModel& model) {
   const auto add = [&](const JointTypeInfo& type) {
     for (int i = 0; i < type.nq; ++i) {
       const bool number = type.quaternion_at >= 0 && i >= type.quaternion_at;
-      const bool angle = number || (i < type.nv && type.coordinates[i].kind == CoordinateKind::kAngle);
-      scales.push_back(angle ? 1 : 1 / length);
+      const bool angle = number || (i < type.nv && type.coordinates[i].is_angular());
+      const bool other = i < type.nv && type.coordinates[i].kind == CoordinateKind::kOther;
+      scales.push_back(angle || other ? 1 : 1 / length);
     }
     scales.insert(scales.end(), static_cast<std::size_t>(2 * type.nv), 0.0);
   };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ferrers/dynamics/lagrangian_terms.h"
 #include "ferrers/redundancy/rank_notice.h"
 #include "ferrers/redundancy/selection.h"
 #include "ferrers/simulate/prescribed_laws.h"
@@ -237,7 +238,7 @@ void Evaluator::keep_admissible(VectorXd& dv) {
 }
 
 void Evaluator::restore_energy(const State& from, const Work& work, State& to) {
-  if (!eq_.driven.empty()) return;
+  if (!eq_.driven.empty() || system().knows_time) return;
   const auto energy_at = [&](const State& state) {
     compute_positions(system(), state.q, energy_pos_);
     compute_velocities(system(), energy_pos_, state.q, state.v, energy_vel_);
@@ -252,11 +253,16 @@ void Evaluator::restore_energy(const State& from, const Work& work, State& to) {
 
 Work Evaluator::power(const State& state) const {
   Work out;
-  if (!model_->has_forces && model_->nu() == 0 && !friction_.any()) return out;
+  const bool formulas = model_->lagrangian.power_of_time || system().knows_time;
+  if (!model_->has_forces && model_->nu() == 0 && !friction_.any() && !formulas) return out;
   for (int i = 0; i < model_->nu(); ++i) {
     if (eq_.u[i] != 0) out.drives += eq_.u[i] * eq_.B_transposed.row(i).dot(state.v);
   }
   out.others = state.v.dot(eq_.force + eq_.h) - out.drives;
+  if (model_->lagrangian.power_of_time) {
+    out.others += compute_lagrangian_energy(*model_, state, eq_.pos, eq_.vel).power_of_time;
+  }
+  if (system().knows_time) out.others += result_.lambda.head(system().m).dot(eq_.constraints.nu.head(system().m));
   for (std::size_t i = 0; i < eq_.driven.size(); ++i) {
     const long row = system().m + static_cast<long>(i);
     out.drives += result_.lambda[row] * eq_.constraints.rate[row];

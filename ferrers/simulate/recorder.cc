@@ -18,10 +18,10 @@ Recorder::Recorder(std::shared_ptr<const DynamicsModel> model, ReactionAxes axes
   columns_.emplace_back("t");
   for (const Joint& joint : system.model->joints()) {
     const JointTypeInfo& type = joint_type_info(joint.type);
-    for (int i = 0; i < type.nq; ++i) columns_.push_back(joint.name + "." + std::string(type.position_names[i]));
+    for (int i = 0; i < type.nq; ++i) columns_.push_back(coordinate_label(joint, type.position_names[i]));
     for (const std::string suffix : {".velocity", ".acceleration"}) {
       for (int i = 0; i < type.nv; ++i)
-        columns_.push_back(joint.name + "." + std::string(type.coordinates[i].name) + suffix);
+        columns_.push_back(coordinate_label(joint, type.coordinates[i].name) + suffix);
     }
   }
   for (const FloatingBody& body : floating_) {
@@ -32,11 +32,14 @@ Recorder::Recorder(std::shared_ptr<const DynamicsModel> model, ReactionAxes axes
         columns_.push_back(body.name + "." + std::string(info.name) + suffix);
     }
   }
-  for (const DriveComponent& drive : model_->drives) columns_.push_back(drive.name + ".effort");
+  for (const DriveComponent& drive : model_->drives) {
+    if (drive.acts) columns_.push_back(drive.name + ".effort");
+  }
   for (const RecordedPoint& point : system.model->records()) {
     points_.push_back(system.point(point.body, point.point_m));
     for (const char* axis : {".x", ".y", ".z"}) columns_.push_back(point.name + axis);
   }
+  for (const RecordedFormula& formula : system.model->recorded_formulas()) columns_.push_back(formula.name);
   columns_.emplace_back("energy");
   sample_.values.resize(columns_.size());
   peaks_.resize(system.model->joints().size());
@@ -72,11 +75,14 @@ const RunSample& Recorder::record(const State& state, const Equations& eq, const
     out = std::copy_n(state.v.data() + node.v, node.nv, out);
     out = std::copy_n(vdot.data() + node.v, node.nv, out);
   }
-  for (int i = 0; i < model_->nu(); ++i) *out++ = u[i];
+  for (int i = 0; i < model_->nu(); ++i) {
+    if (model_->drives[i].acts) *out++ = u[i];
+  }
   for (const NodePoint& point : points_) {
     const Vector3d p = point_position(eq.pos, point);
     out = std::copy_n(p.data(), 3, out);
   }
+  for (const BoundLaw& law : model_->recorded) *out++ = law.evaluate(system, state, eq.pos, eq.vel);
   const Energy energy = compute_energy(*model_, state, eq.pos, eq.vel);
   sample_.energy = energy.total();
   sample_.elastic_energy = energy.elastic;

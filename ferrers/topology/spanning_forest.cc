@@ -23,7 +23,7 @@ class ForestGrower {
   ForestGrower(const Model& model, const std::vector<bool>& preferred, const std::vector<bool>& forbidden)
       : model_(model), preferred_(preferred), forbidden_(forbidden), joints_of_body_(model.bodies().size()) {
     forest_.node_of_body.assign(model.bodies().size(), -1);
-    for (std::size_t j = 0; j < model.joints().size(); ++j) {
+    for (std::size_t j = 0; j < model.coordinates_begin(); ++j) {
       joints_of_body_[model.joints()[j].first.index()].push_back(static_cast<int>(j));
       joints_of_body_[model.joints()[j].second.index()].push_back(static_cast<int>(j));
     }
@@ -36,6 +36,9 @@ class ForestGrower {
       if (forest_.node_of_body[b] >= 0) continue;
       add_node({.body = BodyId(b), .parent = 0, .depth = 1});
       take_edges();
+    }
+    for (std::size_t j = model_.coordinates_begin(); j < model_.joints().size(); ++j) {
+      forest_.nodes.push_back({.body = {}, .parent = 0, .joint = JointId(j), .depth = 1});
     }
     std::vector<bool> in_tree(model_.joints().size(), false);
     for (const TreeNode& node : forest_.nodes) {

@@ -19,7 +19,7 @@ namespace ferrers {
 
 /// A body of the tree. Node 0 is ground; node index and body index differ.
 struct TreeNode {
-  BodyId body;
+  BodyId body;          ///< Invalid for the node of a generalized coordinate.
   int parent = -1;      ///< Node index, smaller than this node's; −1 for ground.
   JointId joint = {};   ///< Inboard joint; invalid for ground and for a floating body.
   bool forward = true;  ///< True: the parent is the joint's first body.
@@ -27,6 +27,7 @@ struct TreeNode {
 };
 
 struct SpanningForest {
+  /// Bodies; after them one node per generalized coordinate, a leaf on ground that carries nothing.
   std::vector<TreeNode> nodes;
   std::vector<int> node_of_body;    ///< Indexed by body.
   std::vector<JointId> cut_joints;  ///< In the order of the file.

@@ -12,12 +12,17 @@ namespace {
 std::vector<bool> coordinate_users(const Model& model) {
   std::vector<bool> used(model.joints().size(), false);
   const auto use = [&](JointCoordinate c) { used[c.joint.index()] = true; };
+  const auto use_scalar = [&](const StateScalar& scalar) {
+    if (!scalar.is_point()) use(scalar.coordinate);
+  };
   for (const Coupling& coupling : model.couplings()) {
-    for (const JointCoordinate c : coupling.coordinates) use(c);
+    for (const StateScalar& scalar : coupling.scalars) use_scalar(scalar);
   }
   for (const Drive& drive : model.drives()) {
     if (drive.kind == Drive::Kind::kCoordinate) use(drive.coordinate);
+    for (const StateScalar& scalar : drive.scalars) use_scalar(scalar);
   }
+  for (const StateScalar& scalar : model.lagrangian().scalars) use_scalar(scalar);
   for (const ForceElement& force : model.forces()) {
     if (const auto* spring = std::get_if<TorsionSpring>(&force.element)) use(spring->coordinate);
     if (const auto* damping = std::get_if<JointDamping>(&force.element)) use(damping->coordinate);
@@ -49,6 +54,11 @@ void collect_joint(const Model& model, const Topology& t, JointId joint, std::ve
                t.forest.node_of_body[model.joint(joint).second.index()], nodes);
 }
 
+void collect_scalar(const Model& model, const Topology& t, const StateScalar& scalar, std::vector<int>& nodes) {
+  if (!scalar.is_point()) return collect_joint(model, t, scalar.coordinate.joint, nodes);
+  collect_path(t.forest, 0, t.forest.node_of_body[model.records()[scalar.point].body.index()], nodes);
+}
+
 void add_closures(const Model& model, Topology& t) {
   for (const JointId id : t.forest.cut_joints) {
     Closure closure{.joint = id,
@@ -64,8 +74,8 @@ void add_closures(const Model& model, Topology& t) {
   }
   for (std::size_t c = 0; c < model.couplings().size(); ++c) {
     Closure closure{.joint = {}, .coupling = CouplingId(c), .row = t.closure_rows, .row_count = 1, .nodes = {}};
-    for (const JointCoordinate coordinate : model.couplings()[c].coordinates) {
-      collect_joint(model, t, coordinate.joint, closure.nodes);
+    for (const StateScalar& scalar : model.couplings()[c].scalars) {
+      collect_scalar(model, t, scalar, closure.nodes);
     }
     sort_unique(closure.nodes);
     t.closure_rows += 1;
@@ -124,6 +134,7 @@ Topology make_topology(const Model& model, const TopologyOptions& options) {
   add_closures(model, t);
   t.clusters = make_clusters(t);
   t.moving_bodies = static_cast<int>(model.bodies().size()) - 1;
+  t.general_coordinates = static_cast<int>(model.joints().size() - model.coordinates_begin());
   for (const Joint& joint : model.joints()) t.joint_rows += joint_type_info(joint.type).row_count();
   t.joint_rows += static_cast<int>(model.couplings().size());
   return t;

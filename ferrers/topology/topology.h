@@ -38,7 +38,10 @@ struct Topology {
 
   int moving_bodies = 0;
   int joint_rows = 0;  ///< Σ (6 − f) over all joints, and couplings.
-  int grubler() const { return 6 * moving_bodies - joint_rows; }
+  int general_coordinates = 0;  ///< Coordinates that carry no body.
+  /// Velocities of the full system: six per moving body, and the generalized coordinates.
+  int full_velocities() const { return 6 * moving_bodies + general_coordinates; }
+  int grubler() const { return full_velocities() - joint_rows; }
 };
 
 struct TopologyOptions {

@@ -3,22 +3,30 @@
 namespace ferrers {
 namespace {
 
-constexpr std::array<const JointTypeInfo*, 13> kTable = {
+constexpr std::array<const JointTypeInfo*, 16> kTable = {
     &kWeldJoint,      &kRevoluteJoint,  &kPrismaticJoint, &kScrewJoint,       &kCylindricalJoint,
     &kUniversalJoint, &kSphericalJoint, &kPlanarJoint,    &kPointOnLineJoint, &kPointOnPlaneJoint,
-    &kDistanceJoint,  &kGearMeshJoint,  &kFreeJoint};
+    &kDistanceJoint,  &kGearMeshJoint,  &kFreeJoint,      &kAngleCoordinate,  &kLengthCoordinate,
+    &kOtherCoordinate};
+constexpr std::size_t kOfBodies = 13;
 
 }  // namespace
 
 const JointTypeInfo& joint_type_info(JointType type) { return *kTable[static_cast<std::size_t>(type)]; }
 
-std::span<const JointTypeInfo* const> all_joint_types() { return kTable; }
+std::span<const JointTypeInfo* const> all_joint_types() {
+  return std::span<const JointTypeInfo* const>(kTable).first(kOfBodies);
+}
 
 const JointTypeInfo* find_joint_type(std::string_view name) {
-  for (const JointTypeInfo* info : kTable) {
+  for (const JointTypeInfo* info : all_joint_types()) {
     if (info->name == name) return info;
   }
   return nullptr;
+}
+
+std::string coordinate_label(const Joint& joint, std::string_view coordinate) {
+  return joint_type_info(joint.type).carries_body ? joint.name + "." + std::string(coordinate) : joint.name;
 }
 
 Jet moment_x_row(const RelativeMotion& m) { return -dot(m, m.R_F.col(1), m.R_M.col(2)); }

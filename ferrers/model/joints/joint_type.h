@@ -2,6 +2,7 @@
 
 #include <array>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "ferrers/model/joints/relative_motion.h"
@@ -20,12 +21,15 @@ namespace ferrers {
 inline constexpr std::array<std::string_view, 6> kComponentNames = {"force_x",  "force_y",  "force_z",
                                                                     "moment_x", "moment_y", "moment_z"};
 
-enum class CoordinateKind { kAngle, kDisplacement, kRotationRate, kPointVelocity };
+enum class CoordinateKind { kAngle, kDisplacement, kRotationRate, kPointVelocity, kOther };
 
-/// One velocity coordinate. `kAngle` and `kDisplacement` are also position coordinates of the same name.
+/// One velocity coordinate. `kAngle`, `kDisplacement` and `kOther` (neither) are also position coordinates of the same
+/// name.
 struct CoordinateInfo {
   std::string_view name;
   CoordinateKind kind;
+  bool is_scalar() const { return kind != CoordinateKind::kRotationRate && kind != CoordinateKind::kPointVelocity; }
+  bool is_angular() const { return kind == CoordinateKind::kAngle || kind == CoordinateKind::kRotationRate; }
 };
 
 /// Pose of M in F, in F axes.
@@ -52,6 +56,7 @@ struct JointTypeInfo {
   std::span<const std::string_view> position_names = {};  ///< nq of them.
   std::span<const int> row_components = {};               ///< Row i is called after kComponentNames[row_components[i]].
   bool can_be_tree = false;
+  bool carries_body = true;  ///< False: a generalized coordinate, between ground and nothing.
   int quaternion_at = -1;  ///< Index in q of a unit quaternion (w, x, y, z), or −1.
   int winding_count = 0;   ///< Number of `angles`.
   MotionFunction motion = nullptr;
@@ -66,12 +71,16 @@ struct JointTypeInfo {
 };
 
 const JointTypeInfo& joint_type_info(JointType type);
+/// What columns and reports call a coordinate: "joint.angle"; a generalized coordinate by its own name.
+std::string coordinate_label(const Joint& joint, std::string_view coordinate);
+/// The joints of the file format: all but the generalized coordinates.
 std::span<const JointTypeInfo* const> all_joint_types();
 const JointTypeInfo* find_joint_type(std::string_view name);
 
 // The types, one file each.
 extern const JointTypeInfo kWeldJoint, kRevoluteJoint, kPrismaticJoint, kScrewJoint, kCylindricalJoint, kUniversalJoint,
-    kSphericalJoint, kPlanarJoint, kPointOnLineJoint, kPointOnPlaneJoint, kDistanceJoint, kGearMeshJoint, kFreeJoint;
+    kSphericalJoint, kPlanarJoint, kPointOnLineJoint, kPointOnPlaneJoint, kDistanceJoint, kGearMeshJoint, kFreeJoint, kAngleCoordinate,
+    kLengthCoordinate, kOtherCoordinate;
 
 /// Row of the moment that keeps the two z axes parallel, along x or y of F, and the rows shared by several types.
 Jet moment_x_row(const RelativeMotion& m);
