@@ -119,7 +119,7 @@ Expression sum_of(std::span<const Expression> terms);
 /// whole powers are products. Mass matrix, forces, constraints, Jacobian and gamma of Andrews' squeezer, differentiated
 /// from its energies, take 0.31 µs, and 0.15 µs by hand (bench/expression_bench.cc).
 ///
-/// Evaluation allocates nothing: its registers stand on the stack. (Beyond 4096 registers, which takes hundreds of
+/// Evaluation allocates nothing: its registers stand on the stack. (Beyond 16384 registers, which takes thousands of
 /// outputs or a hostile formula, they are allocated.) Copies share the code; evaluation from several threads is safe.
 class ExpressionProgram {
  public:

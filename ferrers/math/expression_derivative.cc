@@ -14,7 +14,10 @@ using Algebra = ExpressionAlgebra;
 
 /// f' of an elementary function, as a formula of u and of f(u) itself.
 int outer_derivative(Algebra& x, Op op, int u, int f) {
-  const auto one_minus_square = [&](int a) { return x.subtract(x.number(1), x.square(a)); };
+  // Exact near 1, where the square would round away what is left.
+  const auto asin_root = [&] {
+    return x.make(Op::kSqrt, x.multiply(x.subtract(x.number(1), u), x.add(x.number(1), u)));
+  };
   const auto inside_unit = [&](int slope) {  // the slope of a step between 0 and 1, flat outside
     const int below_one = x.choose(Op::kLess, u, x.number(1), slope, x.number(0));
     return x.choose(Op::kGreater, u, x.number(0), below_one, x.number(0));
@@ -27,9 +30,9 @@ int outer_derivative(Algebra& x, Op op, int u, int f) {
     case Op::kTan:
       return x.add(x.number(1), x.square(f));
     case Op::kAsin:
-      return x.divide(x.number(1), x.make(Op::kSqrt, one_minus_square(u)));
+      return x.divide(x.number(1), asin_root());
     case Op::kAcos:
-      return x.divide(x.number(-1), x.make(Op::kSqrt, one_minus_square(u)));
+      return x.divide(x.number(-1), asin_root());
     case Op::kAtan:
       return x.divide(x.number(1), x.add(x.number(1), x.square(u)));
     case Op::kSinh:
@@ -37,7 +40,7 @@ int outer_derivative(Algebra& x, Op op, int u, int f) {
     case Op::kCosh:
       return x.make(Op::kSinh, u);
     case Op::kTanh:
-      return one_minus_square(f);
+      return x.subtract(x.number(1), x.square(f));
     case Op::kExp:
       return f;
     case Op::kLog:
@@ -57,15 +60,23 @@ int outer_derivative(Algebra& x, Op op, int u, int f) {
   }
 }
 
-/// (u^w)' = w u^(w-1) u' + u^w log(u) w'. The second term is 0 at u = 0, its limit for w > 0.
+/// (u^w)' = w u^(w-1) u' + u^w log(u) w'. The first term is 0 at w = 0, also where u^(w-1) is infinite: x^n has a
+/// second derivative at x = 0 for n = 1. The second term is 0 at u = 0, its limit for w > 0, and wherever the exponent
+/// stands still: of a negative u there is no logarithm, but its square has a slope.
 int power_derivative(Algebra& x, int u, int w, int du, int dw, int f) {
-  const int lower = x.make(Op::kPower, u, x.subtract(w, x.number(1)));
-  const int by_base = x.is(du, 0) ? x.number(0) : x.multiply(x.multiply(w, lower), du);
+  const int zero = x.number(0);
+  int by_base = zero;
+  if (!x.is(du, 0)) {
+    const int lower = x.multiply(w, x.make(Op::kPower, u, x.subtract(w, x.number(1))));
+    const bool is_settled = x.is_constant(w) || x.is_constant(u);
+    by_base = x.multiply(is_settled ? lower : x.choose(Op::kGreater, x.make(Op::kAbs, w), zero, lower, zero), du);
+  }
   if (x.is(dw, 0)) return by_base;
   const int slope = x.multiply(f, x.make(Op::kLog, u));
-  const int guarded =
-      x.is_constant(u) ? slope : x.choose(Op::kGreater, x.make(Op::kAbs, u), x.number(0), slope, x.number(0));
-  return x.add(by_base, x.multiply(guarded, dw));
+  if (x.is_constant(u) && x.node(u).value > 0) return x.add(by_base, x.multiply(slope, dw));
+  const int off_zero = x.choose(Op::kGreater, x.make(Op::kAbs, u), zero, slope, zero);
+  const int by_exponent = x.choose(Op::kGreater, x.make(Op::kAbs, dw), zero, x.multiply(off_zero, dw), zero);
+  return x.add(by_base, by_exponent);
 }
 
 /// The derivative of an operation of two operands u, w with derivatives du, dw and value f.

@@ -157,5 +157,29 @@ TEST(ExpressionDerivativeTest, ARateFollowsNamesThatChange) {
   EXPECT_EQ(parsed("c^2").rate(rate).to_string(), "0");
 }
 
+TEST(ExpressionDerivativeTest, PowersHaveSlopesWhereTheirExponentStandsStill) {
+  EXPECT_EQ(value_at(parsed("(-1.5)^if(x < 1, x, 2)").derivative("x"), 2, 0), 0);
+  EXPECT_EQ(value_at(parsed("y^if(x < 1, x, 2)").derivative("x"), 2, -3), 0);
+  EXPECT_EQ(value_at(parsed("y^if(x < 1, x, 2)").derivative("y"), 2, -3), -6);
+  EXPECT_TRUE(std::isnan(value_at(parsed("(-1.5)^x").derivative("x"), 2, 0)));
+}
+
+TEST(ExpressionDerivativeTest, PowersWithANamedExponentAreSmoothAtZero) {
+  const Expression curvature = parsed("x^y").derivative("x").derivative("x"), third = curvature.derivative("x");
+  EXPECT_EQ(value_at(curvature, 0, 1), 0);
+  EXPECT_EQ(value_at(curvature, 0, 2), 2);
+  EXPECT_EQ(value_at(third, 0, 1), 0);
+  EXPECT_EQ(value_at(third, 0, 2), 0);
+  EXPECT_EQ(value_at(third, 0, 3), 6);
+}
+
+TEST(ExpressionDerivativeTest, ArcSlopesAreExactNearTheirEnds) {
+  for (const double gap : {1e-3, 1e-6, 1e-9, 1e-12}) {
+    const double x = 1 - gap, exact = 1 / std::sqrt((1 - x) * (1 + x));
+    EXPECT_NEAR(value_at(parsed("asin(x)").derivative("x"), x, 0) / exact, 1, 1e-15);
+    EXPECT_NEAR(value_at(parsed("acos(x)").derivative("x"), x, 0) / exact, -1, 1e-15);
+  }
+}
+
 }  // namespace
 }  // namespace ferrers

@@ -44,9 +44,13 @@ auto with_registers(const ExpressionCode& code, const double* inputs, Use use) {
     code.execute(inputs, registers);
     return use(static_cast<const double*>(registers));
   };
-  constexpr int kSmall = 256, kLarge = 4096;
+  constexpr int kSmall = 256, kMiddle = 2048, kLarge = 16384;
   if (code.register_count <= kSmall) {
     double registers[kSmall];
+    return executed(registers);
+  }
+  if (code.register_count <= kMiddle) {
+    double registers[kMiddle];
     return executed(registers);
   }
   if (code.register_count <= kLarge) {

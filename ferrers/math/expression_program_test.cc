@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "ferrers/math/expression.h"
+#include "ferrers/testing/allocation_guard.h"
 #include "ferrers/testing/andrews_formulas.h"
 #include "ferrers/testing/random_formula.h"
 #include "ferrers/testing/random_source.h"
@@ -14,6 +15,7 @@ namespace ferrers {
 namespace {
 
 using expression_testing::parsed;
+using namespace witness;  // NOLINT(google-build-using-namespace): a test
 
 TEST(ExpressionProgramTest, InputsAreTakenByTheirNames) {
   const std::vector<std::string> inputs{"t", "main.position", "unused"};
@@ -54,7 +56,7 @@ TEST(ExpressionProgramTest, ProgramsOfAnySizeGiveTheSameValue) {
   constexpr int kLevels = 50;
   const std::vector<std::string> inputs{"x"};
   const double x = 0;
-  for (const int blocks : {1, 4, 90}) {
+  for (const int blocks : {1, 10, 90, 400}) {
     Expression e = parsed("x");
     for (int i = 0; i < blocks; ++i) {
       std::string text = "a";
@@ -134,7 +136,6 @@ RC_GTEST_PROP(ExpressionProgramTest, AProgramOfSeveralGivesWhatEachGivesAlone, (
 }
 
 TEST(ExpressionProgramTest, AMechanismsEquationsAreThoseFoundOnPaper) {
-  using namespace witness;
   for (const AndrewsEnergy energy : {AndrewsEnergy::kAngles, AndrewsEnergy::kCentres}) {
     const ExpressionProgram program(andrews_formulas(energy), andrews_inputs());
     RandomSource random(7);
@@ -148,6 +149,37 @@ TEST(ExpressionProgramTest, AMechanismsEquationsAreThoseFoundOnPaper) {
       }
     }
   }
+}
+
+TEST(ExpressionProgramTest, SineAndCosineTogetherAreThoseAlone) {
+  const std::vector<std::string> inputs{"x"};
+  const std::vector<Expression> outputs{parsed("sin(x)"), parsed("cos(x)")};
+  const ExpressionProgram program(outputs, inputs);
+  EXPECT_EQ(program.instruction_count(), 1);
+  RandomSource random(3);
+  for (int i = 0; i < 20000; ++i) {
+    const double x = random.between(-1, 1) * std::pow(10, random.between(-9, 9));
+    double results[2];
+    program.evaluate(&x, results);
+    ASSERT_EQ(results[0], std::sin(x)) << x;
+    ASSERT_EQ(results[1], std::cos(x)) << x;
+  }
+}
+
+TEST(ExpressionProgramTest, EvaluationAllocatesNothing) {
+  if (!AllocationGuard::available()) GTEST_SKIP() << "allocations are not counted in this build";
+  const std::vector<std::string> names = andrews_inputs();
+  const ExpressionProgram program(andrews_formulas(AndrewsEnergy::kCentres), names);
+  std::vector<Expression> many;
+  for (int i = 0; i < 3000; ++i) many.push_back(parsed("sin(" + std::to_string(i) + "*be)^3 + hypot(th, be^0.3)"));
+  const ExpressionProgram large(many, names), single(many[7], names);
+  double inputs[2 * kAndrewsCoordinates] = {0.1, 0.2}, outputs[3000];
+  EXPECT_GT(large.register_count(), 3000);
+  const AllocationGuard guard;
+  program.evaluate(inputs, outputs);
+  large.evaluate(inputs, outputs);
+  single.evaluate(inputs);
+  EXPECT_EQ(guard.count(), 0);
 }
 
 }  // namespace
