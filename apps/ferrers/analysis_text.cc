@@ -105,7 +105,9 @@ std::string sharing_text(const RedundancyReport& report, const Style& style) {
   std::string text = heading(2, "Which joints share them?", style);
   if (report.redundant == 0) return text + "   None: no constraint is redundant.\n";
   std::vector<std::string> sharing, clean;
-  for (const ReactionUniqueness& one : report.reactions) (one.participates ? sharing : clean).push_back(one.joint);
+  for (const ReactionUniqueness& one : report.reactions) {
+    if (one.is_constraint) (one.participates ? sharing : clean).push_back(one.joint);
+  }
   const auto some = [](std::vector<std::string> names) {
     const std::size_t count = names.size();
     if (count <= kMostJoints) return names;
@@ -114,7 +116,7 @@ std::string sharing_text(const RedundancyReport& report, const Style& style) {
     return names;
   };
   text += wrapped_list(
-      fmt::format("   {} of {}:", sharing.size(), counted(static_cast<long>(report.reactions.size()), "joint")),
+      fmt::format("   {} of {}:", sharing.size(), counted(static_cast<long>(sharing.size() + clean.size()), report.joints > 0 ? "joint" : "constraint")),
       some(sharing), "      ");
   text += clean.empty() ? "   No joint is clean of them.\n" : wrapped_list("   Clean:", some(clean), "      ");
   text +=
@@ -238,21 +240,29 @@ std::string preload_text(const PreloadReport& preload, double length_m, const St
          table(rows, "   ", style);
 }
 
+std::string constraint_type(const Model& model, std::size_t i) {
+  if (i < model.joints().size()) return std::string(joint_type_info(model.joints()[i].type).name);
+  return model.couplings()[i - model.joints().size()].relation ? "constraint" : "coupling";
+}
+
 std::string reactions_text(const Model& model, const MechanismAnalysis& analysis, const Style& style) {
   const RedundancyReport& report = *analysis.redundancy;
   std::string text = heading(4, "Which reactions are exact, and how do the others divide?", style);
   if (report.redundant == 0) return text + "   All reactions are exact.\n";
   std::vector<std::vector<std::string>> rows = {{"joint", "type", "exact", "components that are exact"}};
-  for (std::size_t i = 0; i < std::min<std::size_t>(report.reactions.size(), kMostJoints); ++i) {
+  std::size_t left_out = 0;
+  for (std::size_t i = 0; i < report.reactions.size(); ++i) {
     const ReactionUniqueness& one = report.reactions[i];
-    const bool joint = i < model.joints().size();
-    rows.push_back({one.joint, std::string(joint ? joint_type_info(model.joints()[i].type).name : "coupling"),
-                    fmt::format("{} of {}", one.unique_dimension, one.rows), unique_names(report, i)});
+    if (!one.is_constraint) continue;
+    if (rows.size() > kMostJoints) {
+      ++left_out;
+      continue;
+    }
+    rows.push_back({one.joint, constraint_type(model, i), fmt::format("{} of {}", one.unique_dimension, one.rows),
+                    unique_names(report, i)});
   }
   text += table(rows, "   ", style);
-  if (report.reactions.size() > kMostJoints) {
-    text += style.dim(fmt::format("   and {} more (--json lists all)\n", report.reactions.size() - kMostJoints));
-  }
+  if (left_out > 0) text += style.dim(fmt::format("   and {} more (--json lists all)\n", left_out));
   text += resultants_text(analysis.resultants);
   text += style.dim("   Components are along the joint's own axes; 'exact' counts dimensions whatever the axes.\n");
   const bool has_springs = std::any_of(model.joints().begin(), model.joints().end(),
@@ -332,9 +342,17 @@ std::string idle_text(const std::optional<ReleaseReport>& releases) {
 
 std::string analysis_text(const Model& model, const MechanismAnalysis& analysis, const Style& style) {
   const RedundancyReport& report = *analysis.redundancy;
-  std::string text = fmt::format("{}: {}, {}", style.bold(model.name()), counted(report.bodies, "body"),
-                                 counted(report.joints, "joint"));
-  if (!model.couplings().empty()) text += ", " + counted(static_cast<long>(model.couplings().size()), "coupling");
+  std::vector<std::string> parts;
+  if (report.bodies > 0 || report.coordinates == 0) {
+    parts = {counted(report.bodies, "body"), counted(report.joints, "joint")};
+  }
+  if (report.coordinates > 0) parts.push_back(counted(report.coordinates, "coordinate"));
+  const auto relations = std::count_if(model.couplings().begin(), model.couplings().end(),
+                                       [](const Coupling& coupling) { return coupling.relation != nullptr; });
+  const auto linear = static_cast<long>(model.couplings().size()) - relations;
+  if (linear > 0) parts.push_back(counted(linear, "coupling"));
+  if (relations > 0) parts.push_back(counted(relations, "constraint"));
+  std::string text = fmt::format("{}: {}", style.bold(model.name()), fmt::join(parts, ", "));
   text += "\n";
   text += counts_text(report, analysis.closure, style) + closure_text(analysis.closure, style) +
           idle_text(analysis.releases);

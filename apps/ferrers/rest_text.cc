@@ -79,24 +79,41 @@ std::string reactions_text(const RestDocument& document, const Style& style) {
   double largest = 0;
   bool undetermined = false, distributed = false;
   for (const JointReaction& one : *document.reactions) {
-    for (int k = 0; k < 6; ++k) {
+    for (int k = 0; k < one.components; ++k) {
       if (one.status[k] == ReactionStatus::kUndetermined) continue;
       largest = std::max(largest, std::abs(one.value[k]));
     }
   }
+  const auto cell = [&](const JointReaction& one, int k) {
+    if (one.status[k] == ReactionStatus::kUndetermined) {
+      undetermined = true;
+      return std::string("?");
+    }
+    if (one.status[k] != ReactionStatus::kDistributed) return shown(one.value[k], largest);
+    distributed = true;
+    return shown(one.value[k], largest) + " ~";
+  };
+  const ReactionNames names = name_reactions(*document.dynamics->system->model);
   Rows rows = {{"joint", "force_x", "force_y", "force_z", "moment_x", "moment_y", "moment_z"}};
+  Rows multipliers = {{"constraint", "multiplier"}};
   for (std::size_t j = 0; j < document.reactions->size(); ++j) {
     const JointReaction& one = (*document.reactions)[j];
-    rows.push_back({document.dynamics->system->model->joints()[j].name});
-    for (int k = 0; k < 6; ++k) {
-      std::string text = shown(one.value[k], largest);
-      if (one.status[k] == ReactionStatus::kDistributed) text += " ~", distributed = true;
-      if (one.status[k] == ReactionStatus::kUndetermined) text = "?", undetermined = true;
-      rows.back().push_back(text);
+    if (one.components == 1) {
+      multipliers.push_back({names.couplings[j - names.joints.size()], cell(one, 0)});
+      continue;
     }
+    rows.push_back({names.joints[j]});
+    for (int k = 0; k < 6; ++k) rows.back().push_back(cell(one, k));
   }
-  std::string text = "\n" + table(rows, "  ", style);
-  text += style.dim("  Reactions on each joint's second body, N and N·m.") + "\n";
+  std::string text;
+  if (rows.size() > 1) {
+    text += "\n" + table(rows, "  ", style);
+    text += style.dim("  Reactions on each joint's second body, N and N·m.") + "\n";
+  }
+  if (multipliers.size() > 1) {
+    text += "\n" + table(multipliers, "  ", style);
+    text += style.dim("  Multipliers of couplings and constraints: J per unit of what is zero.") + "\n";
+  }
   const bool shared = document.holding != nullptr && document.holding->idle_efforts.cols() > 0;
   if (distributed && shared) {
     text +=

@@ -145,11 +145,8 @@ class Output {
   void begin(const DynamicsModel& dynamics) {
     begun_ = true;
     drives_ = DrivePeaks(dynamics);
-    std::vector<std::string> joints;
-    if (task_.with_reactions) {
-      for (const Joint& joint : loaded_.model->joints()) joints.push_back(joint.name);
-    }
-    keep(rows_file_.open(folder_, run_columns(dynamics), joints, options_.distribution.range.has_value()));
+    const ReactionNames reactions = task_.with_reactions ? name_reactions(*loaded_.model) : ReactionNames();
+    keep(rows_file_.open(folder_, run_columns(dynamics), reactions, options_.distribution.range.has_value()));
     if (!error_.empty()) return;
     if (!holds_model_) keep(write_file_whole(folder_ / model_file_, model_text(options_.model, loaded_)));
     copy_law_files();
@@ -271,7 +268,7 @@ int run(const RunTask& task, const RunOptions& options, LoadedModel& loaded,
   document.summary = &summary;
   document.interrupted = exit_code == kExitInterrupted;
   document.with_reactions = task.with_reactions;
-  for (const Joint& joint : loaded.model->joints()) document.joints.push_back(joint.name);
+  document.joints = name_reactions(*loaded.model).joints;
   document.drives = output.drives();
   if (output.begun()) document.folder = output.folder();
   document.diagnostics = &loaded.diagnostics;

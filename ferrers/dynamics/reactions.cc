@@ -31,6 +31,13 @@ Eigen::RowVectorXd component_row(const Joint& joint, const JointFrameWrenches& f
 
 }  // namespace
 
+ReactionNames name_reactions(const Model& model) {
+  ReactionNames names;
+  for (std::size_t j = 0; j < model.coordinates_begin(); ++j) names.joints.push_back(model.joints()[j].name);
+  for (const Coupling& coupling : model.couplings()) names.couplings.push_back(coupling.name);
+  return names;
+}
+
 ReactionSolver::ReactionSolver(std::shared_ptr<const DynamicsModel> model, const DistributionOptions& options)
     : model_(std::move(model)),
       options_(options),
@@ -86,9 +93,10 @@ ReactionSolver::Distributed ReactionSolver::distribute(const Instant& at, Vector
 
 std::vector<JointReaction> ReactionSolver::make_reactions(const Instant& at, const Distributed& solution,
                                                           ReactionAxes axes) const {
-  std::vector<JointReaction> reactions(at.joints.size());
+  const Model& model = *model_->system->model;
+  std::vector<JointReaction> reactions(model.coordinates_begin());
   for (std::size_t j = 0; j < reactions.size(); ++j) {
-    const Joint& joint = model_->system->model->joints()[j];
+    const Joint& joint = model.joints()[j];
     const int first = rows_.first[j], count = rows_.count[j];
     const bool distributed = solution.method && solution.valid[j];
     const MatrixXd& open = distributed ? solution.method->remaining : at.Z;
@@ -104,6 +112,20 @@ std::vector<JointReaction> ReactionSolver::make_reactions(const Instant& at, con
     }
     reactions[j].low = reactions[j].high = reactions[j].value;
   }
+  for (std::size_t c = 0; c < model.couplings().size(); ++c) {
+    const std::size_t j = model.joints().size() + c;
+    const int row = rows_.first[j];
+    JointReaction one;
+    one.components = 1;
+    one.value[0] = one.low[0] = one.high[0] = solution.lambda[row];
+    const bool distributed = solution.method && solution.valid[j];
+    MatrixXd all(1, at.Z.cols() + at.shared.cols());
+    all.leftCols(at.Z.cols()) = at.Z.row(row);
+    if (at.shared.cols() > 0) all.rightCols(at.shared.cols()) = at.shared.row(row);
+    const MatrixXd open = distributed ? solution.method->remaining.row(row) : at.Z.row(row);
+    one.status[0] = judge_component(Eigen::RowVectorXd::Ones(1), rows_.scale[row], all, open);
+    reactions.push_back(one);
+  }
   return reactions;
 }
 
@@ -111,7 +133,7 @@ void ReactionSolver::add_ranges(const Instant& at, const Distributed& solution, 
                                 std::vector<JointReaction>& reactions, DistributionOutcome& outcome) const {
   if (!solution.method) return;
   std::vector<std::pair<std::size_t, int>> wanted;
-  for (std::size_t j = 0; j < reactions.size(); ++j) {
+  for (std::size_t j = 0; j < model_->system->model->coordinates_begin(); ++j) {
     for (int k = 0; k < 6; ++k) {
       if (reactions[j].status[k] == ReactionStatus::kDistributed) wanted.emplace_back(j, k);
     }

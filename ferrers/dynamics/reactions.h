@@ -13,12 +13,21 @@ namespace ferrers {
 /// The constraint's wrench on a joint's second body at the joint's point: force_x … force_z, moment_x … moment_z, in N
 /// and N·m, world axes or the joint's frame F. Drive efforts, springs and damping in the joint are not in it, so the
 /// component along a freedom is 0 and unique. The first body gets the opposite wrench at the same point.
+///
+/// A coupling or constraint has one component instead, its multiplier: the work that it does per unit of its phi.
 struct JointReaction {
+  int components = 6;             ///< Of the arrays below; 1: a multiplier.
   std::array<double, 6> value{};  ///< Valid where status is not kUndetermined.
   std::array<ReactionStatus, 6> status{};
   /// Where a range of stiffness was asked for: the range of the value, valid like it.
   std::array<double, 6> low{}, high{};
 };
+
+/// Names of what has reactions, in their order: the joints, then couplings and constraints.
+struct ReactionNames {
+  std::vector<std::string> joints, couplings;
+};
+ReactionNames name_reactions(const Model& model);
 
 enum class ReactionAxes { kWorld, kJoint };
 

@@ -101,19 +101,24 @@ bool ReducedMotion::move(const VectorXd& ds, const VectorXd& dv, State& out) {
   if (selection_.rows.empty()) return true;
   const VectorXd driven =
       eq_.constraints.G(selection_.rows, selection_.independent) * VectorXd(out.v(selection_.independent));
-  out.v(selection_.dependent) = VectorXd(-lu_.solve(driven));
+  out.v(selection_.dependent) = VectorXd(lu_.solve(VectorXd(eq_.constraints.nu(selection_.rows) - driven)));
   return out.v.allFinite();
 }
 
 MatrixXd ReducedMotion::body_displacements() const {
   const long bodies = static_cast<long>(system_.nodes.size()) - 1;
-  MatrixXd X(6 * bodies, w());
+  MatrixXd X = MatrixXd::Zero(6 * bodies, w());
   VelocityKinematics rates = make_velocity_kinematics(system_);
   for (int k = 0; k < w(); ++k) {
     compute_velocities(system_, eq_.pos, q_, N_.col(k), rates);
     for (long i = 0; i < bodies; ++i) {
       const std::size_t node = static_cast<std::size_t>(i) + 1;
       const NodePoint centre{static_cast<int>(node), model_.inertias[node].com_N};
+      if (!system_.nodes[node].type->carries_body) {
+        const int v = system_.nodes[node].v;
+        X(6 * i, k) = N_(v, k) / scaling_.columns[v];
+        continue;
+      }
       X.block<3, 1>(6 * i, k) = scaling_.length_m * rates.nodes[node].w;
       X.block<3, 1>(6 * i + 3, k) = point_velocity(eq_.pos, rates, centre);
     }
@@ -136,6 +141,9 @@ double ReducedMotion::force_scale(const State& state) const {
   for (std::size_t i = 1; i < on_nodes.size(); ++i) {
     sum += on_nodes[i].col(0).tail<3>().norm() + on_nodes[i].col(0).head<3>().norm() / scaling_.length_m;
     sum += model_.inertias[i].mass_kg * gravity;
+  }
+  for (const CoordinateAccess& access : model_.lagrangian.scalars) {
+    if (access.in_tree) sum += (std::abs(eq_.h[access.v]) + std::abs(eq_.tau[access.v])) * scaling_.columns[access.v];
   }
   for (int k = 0; k < model_.nu(); ++k) {
     sum += std::abs(eq_.u[k]) * eq_.B_transposed.row(k).transpose().cwiseProduct(scaling_.columns).norm();

@@ -218,6 +218,7 @@ OrderedJson empty_document() {
   out["ok"] = false;
   for (const char* key : {"bodies",
                           "joints",
+                          "coordinates",
                           "constraint_rows",
                           "rank",
                           "mobility",
@@ -247,6 +248,7 @@ OrderedJson empty_document() {
 void add_redundancy(const RedundancyReport& report, OrderedJson& out) {
   out["bodies"] = report.bodies;
   out["joints"] = report.joints;
+  out["coordinates"] = report.coordinates;
   out["constraint_rows"] = report.constraint_rows;
   out["rank"] = report.rank;
   out["mobility"] = report.mobility;
@@ -261,7 +263,9 @@ void add_details(const RedundancyReport& report, OrderedJson& out) {
   out["excluded_rows"] = report.excluded_row_names;
   out["independent_coordinates"] = report.independent_coordinate_names;
   OrderedJson reactions = OrderedJson::array();
-  for (std::size_t i = 0; i < report.reactions.size(); ++i) reactions.push_back(reaction_value(report, i));
+  for (std::size_t i = 0; i < report.reactions.size(); ++i) {
+    if (report.reactions[i].is_constraint) reactions.push_back(reaction_value(report, i));
+  }
   out["reactions"] = std::move(reactions);
   out["self_stresses"] = self_stress_values(report);
 }

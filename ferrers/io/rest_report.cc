@@ -50,15 +50,18 @@ OrderedJson stability_value(const StabilityVerdict& verdict) {
 
 OrderedJson reaction_values(const Model& model, const std::vector<JointReaction>& reactions) {
   OrderedJson all = OrderedJson::array();
+  const ReactionNames names = name_reactions(model);
   for (std::size_t j = 0; j < reactions.size(); ++j) {
+    const bool joint = j < names.joints.size();
     OrderedJson components = OrderedJson::object();
-    for (int k = 0; k < 6; ++k) {
+    for (int k = 0; k < reactions[j].components; ++k) {
       const bool known = reactions[j].status[k] != ReactionStatus::kUndetermined;
-      components[std::string(kComponentNames[k])] = {
+      components[joint ? std::string(kComponentNames[k]) : "multiplier"] = {
           {"value", known ? OrderedJson(reactions[j].value[k]) : OrderedJson()},
           {"status", to_string(reactions[j].status[k])}};
     }
-    all.push_back(OrderedJson{{"joint", model.joints()[j].name}, {"components", std::move(components)}});
+    const std::string& name = joint ? names.joints[j] : names.couplings[j - names.joints.size()];
+    all.push_back(OrderedJson{{"joint", name}, {"components", std::move(components)}});
   }
   return all;
 }

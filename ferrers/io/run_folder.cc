@@ -73,9 +73,15 @@ class Appender {
 
 }  // namespace
 
+namespace {
+
+constexpr std::array<std::string_view, 1> kMultiplier = {"multiplier"};
+
+}  // namespace
+
 struct RunFolder::Files {
   Appender result, reactions;
-  std::vector<std::array<std::string, 6>> cells;  ///< ",joint,component," of every joint.
+  std::vector<std::vector<std::string>> cells;  ///< ",joint,component," of every joint and coupling.
   std::size_t columns = 0;
   bool with_ranges = false;
   Clock::time_point last_flush = Clock::now();
@@ -97,7 +103,7 @@ bool RunFolder::is_open() const { return files_ != nullptr; }
 long RunFolder::rows() const { return files_ != nullptr ? files_->rows : 0; }
 
 std::string RunFolder::open(const fs::path& folder, const std::vector<std::string>& columns,
-                            const std::vector<std::string>& joints, bool with_ranges) {
+                            const ReactionNames& reactions, bool with_ranges) {
   require(files_ == nullptr, "RunFolder::open: open already");
   std::error_code failed;
   fs::create_directories(folder, failed);
@@ -112,17 +118,19 @@ std::string RunFolder::open(const fs::path& folder, const std::vector<std::strin
     append_cell(files->result.buffer(), columns[i]);
   }
   files->result.buffer().push_back('\n');
-  if (!joints.empty()) {
+  if (!reactions.joints.empty() || !reactions.couplings.empty()) {
     if (std::string error = files->reactions.open(folder / "reactions.csv"); !error.empty()) return error;
     files->with_ranges = with_ranges;
     append(files->reactions.buffer(), "t,joint,component,value,status");
     append(files->reactions.buffer(), with_ranges ? ",low,high\n" : "\n");
-    for (const std::string& joint : joints) {
+    const auto add = [&files](const std::string& owner, std::span<const std::string_view> components) {
       fmt::memory_buffer name;
-      append_cell(name, joint);
-      std::array<std::string, 6>& cells = files->cells.emplace_back();
-      for (std::size_t i = 0; i < 6; ++i) cells[i] = fmt::format(",{},{},", fmt::to_string(name), kComponentNames[i]);
-    }
+      append_cell(name, owner);
+      std::vector<std::string>& cells = files->cells.emplace_back();
+      for (const std::string_view one : components) cells.push_back(fmt::format(",{},{},", fmt::to_string(name), one));
+    };
+    for (const std::string& joint : reactions.joints) add(joint, kComponentNames);
+    for (const std::string& coupling : reactions.couplings) add(coupling, kMultiplier);
   }
   files->flush();
   files_ = std::move(files);
@@ -146,7 +154,7 @@ void RunFolder::add(const RunSample& sample) {
     fmt::memory_buffer& out = files_->reactions.buffer();
     for (std::size_t joint = 0; joint < sample.reactions.size(); ++joint) {
       const JointReaction& reaction = sample.reactions[joint];
-      for (std::size_t i = 0; i < 6; ++i) {
+      for (std::size_t i = 0; i < files_->cells[joint].size(); ++i) {
         append(out, {time.data(), time.size()});
         append(out, files_->cells[joint][i]);
         const bool known = reaction.status[i] != ReactionStatus::kUndetermined;

@@ -75,7 +75,7 @@ TEST_F(RunFolderTest, NumbersHaveSeventeenDigits) {
 
 TEST_F(RunFolderTest, UndeterminedReactionsHaveNoValueWhateverStandsInTheSample) {
   RunFolder run;
-  ASSERT_EQ(run.open(folder_, {"t", "x"}, {"J1"}), "");
+  ASSERT_EQ(run.open(folder_, {"t", "x"}, {{"J1"}, {}}), "");
   RunSample one = sample(0.5, 1);
   JointReaction reaction;
   reaction.value = {1, 2, 3, 4, 5, 6};
@@ -96,7 +96,7 @@ TEST_F(RunFolderTest, UndeterminedReactionsHaveNoValueWhateverStandsInTheSample)
 
 TEST_F(RunFolderTest, RangesStandBesideTheirValuesWhereTheyAreAskedFor) {
   RunFolder run;
-  ASSERT_EQ(run.open(folder_, {"t", "x"}, {"J1"}, true), "");
+  ASSERT_EQ(run.open(folder_, {"t", "x"}, {{"J1"}, {}}, true), "");
   RunSample one = sample(0.5, 1);
   JointReaction reaction;
   reaction.value = reaction.low = reaction.high = {1, 2, 3, 4, 5, 6};

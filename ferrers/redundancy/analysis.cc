@@ -158,6 +158,7 @@ std::vector<ReactionUniqueness> judge_reactions(const System& system, const AllR
     const bool joint = j < model.joints().size();
     r.joint = joint ? model.joints()[j].name : model.couplings()[j - model.joints().size()].name;
     r.rows = rows.count[j];
+    r.is_constraint = !joint || !model.is_coordinate(j);
     const MatrixXd block = joint_block(by_row, rows, j);
     for (int i = 0; i < r.rows; ++i) {
       r.unique.push_back(is_negligible(block.row(i).norm(), 1.0));

@@ -45,6 +45,7 @@ struct ReactionUniqueness {
   int unique_dimension = 0;   ///< rows − rank(Z_joint).
   MatrixXd unique_basis;      ///< rows × unique_dimension: combinations of the rows (scaled) that are unique.
   bool participates = false;  ///< Some self-stress loads it.
+  bool is_constraint = true;  ///< False: a generalized coordinate, which has no rows.
 };
 
 struct RedundancyReport {
@@ -61,7 +62,7 @@ struct RedundancyReport {
   std::vector<std::string> excluded_row_names, independent_coordinate_names;
   SparseMatrixXd self_stresses;  ///< Z: all rows × redundant; columns of unit norm in scaled units, few entries each.
   std::vector<SelfStress> self_stress_places;  ///< Per column.
-  std::vector<ReactionUniqueness> reactions;   ///< Joints in file order, then couplings.
+  std::vector<ReactionUniqueness> reactions;   ///< As `Model::joints` in file order, then couplings.
   AllRows rows;
   double inconsistency = 0;  ///< Largest |Zᵀ phi|, m: how far the geometry contradicts itself.
 };

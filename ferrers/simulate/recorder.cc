@@ -42,7 +42,7 @@ Recorder::Recorder(std::shared_ptr<const DynamicsModel> model, ReactionAxes axes
   for (const RecordedFormula& formula : system.model->recorded_formulas()) columns_.push_back(formula.name);
   columns_.emplace_back("energy");
   sample_.values.resize(columns_.size());
-  peaks_.resize(system.model->joints().size());
+  peaks_.resize(system.model->coordinates_begin());
   distribution_.by = distribution.by;
   distribution_.range = distribution.range;
   if (distribution.by != DistributionBy::kEqualStiffness) return;
