@@ -206,8 +206,8 @@ TEST(CouplingRowTest, TheRowIsTheSumOfCoefficientsTimesCoordinates) {
   const ConstraintKinematics c = constraints_at(*system, state, state.q, state.v);
   double phi = 0, rate = 0;
   const Coupling& coupling = system->model->couplings()[0];
-  for (std::size_t i = 0; i < coupling.coordinates.size(); ++i) {
-    const CoordinateAccess access = system->access(coupling.coordinates[i]);
+  for (std::size_t i = 0; i < coupling.scalars.size(); ++i) {
+    const CoordinateAccess access = system->scalar_access(coupling.scalars[i]);
     ASSERT_TRUE(access.in_tree);
     phi += coupling.coefficients[i] * state.q[access.q];
     rate += coupling.coefficients[i] * state.v[access.v];

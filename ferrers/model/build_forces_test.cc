@@ -64,8 +64,8 @@ SpringSpec spring_between_a_and_b() {
 TEST(BuildCouplingsTest, CoordinatesAreFoundByName) {
   const Model model = built(with_coupling({of("hinge"), of("tube", "displacement")}, {Number(2.0), Number(1.0)}));
   const Coupling& coupling = model.couplings().at(0);
-  EXPECT_EQ(coupling.coordinates[0], (JointCoordinate{JointId(0), 0}));
-  EXPECT_EQ(coupling.coordinates[1], (JointCoordinate{JointId(1), 1}));
+  EXPECT_EQ(coupling.scalars[0].coordinate, (JointCoordinate{JointId(0), 0}));
+  EXPECT_EQ(coupling.scalars[1].coordinate, (JointCoordinate{JointId(1), 1}));
   EXPECT_EQ(coupling.coefficients, (std::vector<double>{2.0, 1.0}));
 }
 

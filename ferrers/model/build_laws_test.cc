@@ -47,7 +47,7 @@ TEST(BuildLawsTest, ParametersBecomeNumbersAndCoordinatesInputs) {
   std::vector<double> values;
   for (const LawInput& input : law.inputs()) {
     values.push_back(input.kind == Kind::kTime ? 100.0 : input.kind == Kind::kPosition ? 3.0 : 10.0);
-    EXPECT_TRUE(input.kind == Kind::kTime || input.coordinate == (JointCoordinate{JointId(0), 0}));
+    EXPECT_TRUE(input.kind == Kind::kTime || input.scalar.coordinate == (JointCoordinate{JointId(0), 0}));
   }
   EXPECT_EQ(law.value(values.data()), -15.0 + 20.0 + 100.0);
 }

@@ -48,10 +48,10 @@ struct Context {
           values.push_back(t_s);
           break;
         case LawInput::Kind::kPosition:
-          values.push_back(coordinate_position(model, state.poses, input.coordinate));
+          values.push_back(coordinate_position(model, state.poses, input.scalar.coordinate));
           break;
         case LawInput::Kind::kVelocity:
-          values.push_back(coordinate_velocity(model, state, input.coordinate));
+          values.push_back(coordinate_velocity(model, state, input.scalar.coordinate));
           break;
       }
     }
@@ -122,6 +122,8 @@ void apply_drive(const Drive& drive, Context& c) {
       c.add(drive.second, Vector3d(c.law(drive.effort[0]), c.law(drive.effort[1]), c.law(drive.effort[2])),
             c.point(drive.second, drive.point_2_m));
       break;
+    case Drive::Kind::kFormula:
+      throw std::invalid_argument("the witness has no drives by formulas");
   }
 }
 

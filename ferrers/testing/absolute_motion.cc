@@ -85,8 +85,8 @@ double coupling_residual(const Model& model, const Coupling& coupling, const std
   double sum = 0;
   double turns[2] = {0, 0};
   int angles = 0;
-  for (std::size_t i = 0; i < coupling.coordinates.size(); ++i) {
-    const JointCoordinate coordinate = coupling.coordinates[i];
+  for (std::size_t i = 0; i < coupling.scalars.size(); ++i) {
+    const JointCoordinate coordinate = coupling.scalars[i].coordinate;
     sum += coupling.coefficients[i] * coordinate_position(model, poses, coordinate);
     const JointType type = model.joint(coordinate.joint).type;
     const bool length = type == JointType::kPrismatic || (type == JointType::kCylindrical && coordinate.index == 1) ||

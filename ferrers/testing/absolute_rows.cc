@@ -107,6 +107,9 @@ std::vector<const char*> row_components(JointType type) {
     case JointType::kGearMesh:
       return {"force_x"};
     case JointType::kFree:
+    case JointType::kAngleCoordinate:
+    case JointType::kLengthCoordinate:
+    case JointType::kOtherCoordinate:
       return {};
   }
   throw std::invalid_argument("row_components: unknown joint type");

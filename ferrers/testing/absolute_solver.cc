@@ -242,9 +242,9 @@ AbsoluteConstraints absolute_constraints(const Model& model, const AbsoluteState
   for (const Coupling& coupling : model.couplings()) {
     out.first_row.push_back(target.row);
     DualRow row = DualRow::Zero(V.size());
-    for (std::size_t i = 0; i < coupling.coordinates.size(); ++i) {
-      const Joint& joint = model.joint(coupling.coordinates[i].joint);
-      const auto w = coordinate_row<Dual>(joint, coupling.coordinates[i].index, places[joint.first.index()],
+    for (std::size_t i = 0; i < coupling.scalars.size(); ++i) {
+      const Joint& joint = model.joint(coupling.scalars[i].coordinate.joint);
+      const auto w = coordinate_row<Dual>(joint, coupling.scalars[i].coordinate.index, places[joint.first.index()],
                                           places[joint.second.index()]);
       add_row(w, joint.first, joint.second, places, coupling.coefficients[i], row);
     }
