@@ -78,20 +78,29 @@ class Binder {
       bound.scalars.push_back(system().scalar_access(scalar));
       bound.in_tree = bound.in_tree && bound.scalars.back().in_tree;
     }
+    for (const Lagrangian::MassEntry& entry : lagrangian.mass) bound.mass.emplace_back(entry.row, entry.column);
+    bound.mass_pattern = lagrangian_mass_pattern(system());
+    bound.has_forces = lagrangian.has_forces();
+    bound.power_of_time = lagrangian.power_of_time.constant_value() != 0.0;
+    if (lagrangian.system) {
+      const int n = static_cast<int>(bound.scalars.size());
+      std::vector<double> parameters;
+      for (const Parameter& parameter : model().parameters()) parameters.push_back(parameter.value);
+      bound.inertia = make_inertia_program(lagrangian.system, n, parameters);
+      bound.force = make_force_program(lagrangian.system, n, parameters);
+      bound.energy = make_energy_program(lagrangian.system, n, parameters);
+      return;
+    }
     std::vector<Expression> inertia;
     for (const Lagrangian::MassEntry& entry : lagrangian.mass) {
-      bound.mass.emplace_back(entry.row, entry.column);
       inertia.push_back(entry.value);
     }
     inertia.insert(inertia.end(), lagrangian.bias.begin(), lagrangian.bias.end());
-    bound.mass_pattern = lagrangian_mass_pattern(system());
-    bound.inertia = ExpressionProgram(inertia, inputs);
-    bound.force = ExpressionProgram(lagrangian.force, inputs);
+    bound.inertia = StateProgram(inertia, inputs);
+    bound.force = StateProgram(lagrangian.force, inputs);
     const std::vector<Expression> energy = {lagrangian.kinetic_part, lagrangian.potential_part,
                                             lagrangian.power_of_time};
-    bound.energy = ExpressionProgram(energy, inputs);
-    bound.has_forces = lagrangian.has_forces();
-    bound.power_of_time = lagrangian.power_of_time.constant_value() != 0.0;
+    bound.energy = StateProgram(energy, inputs);
   }
 
   BoundLaw bind_law(const Law& law) {

@@ -63,9 +63,9 @@ struct BoundLagrangian {
   bool in_tree = true;                            ///< All scalars are entries of q and v.
   std::vector<std::pair<int, int>> mass;          ///< M_kl that are not always zero, k ≤ l.
   std::vector<std::pair<int, int>> mass_pattern;  ///< Entries of M that they can reach.
-  ExpressionProgram inertia;                      ///< The M_kl in the order of `mass`, then h_k.
-  ExpressionProgram force;                        ///< Q_k.
-  ExpressionProgram energy;                       ///< Kinetic and potential part, power of time.
+  StateProgram inertia;                           ///< The M_kl in the order of `mass`, then h_k.
+  StateProgram force;                             ///< Q_k.
+  StateProgram energy;                            ///< Kinetic and potential part, power of time.
   bool has_forces = false, power_of_time = false;
 };
 FormulaEvaluation make_lagrangian_evaluation(const BoundLagrangian& bound);

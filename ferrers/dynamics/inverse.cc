@@ -20,6 +20,8 @@ namespace {
 // may become where the mechanism does not follow.
 constexpr double kLeastFirstPiece = 1e-7, kLeastPiece = 1e-5;
 
+constexpr double kRollError = 1e-11;  // rad, m: per step along constraints on velocities
+
 std::string quoted(const std::vector<std::string>& names) {
   std::string text;
   for (std::size_t i = 0; i < names.size(); ++i) {
@@ -486,9 +488,68 @@ struct PrescribedMotion::Impl {
     return true;
   }
 
+  // Velocities that the laws and all constraints tell at positions of some time.
+  bool rates_at(double t, const State& at, VectorXd& v) {
+    State state = at;
+    state.t = t;
+    state.v.setZero();
+    if (!read_laws(t).empty()) return false;
+    evaluate(state);
+    factor();
+    VectorXd rates(static_cast<long>(prescribed.size()));
+    for (std::size_t i = 0; i < prescribed.size(); ++i) rates[static_cast<long>(i)] = laws[i].rate;
+    v = VectorXd::Zero(system.nv);
+    singular_here = false;
+    return solve_rows(eq.constraints.nu(selection.rows), rates, 0, v);
+  }
+
+  // One step of the classical fourth-order rule along these velocities.
+  bool roll_step(State& state, double h) {
+    VectorXd k[4];
+    State stage = state;
+    for (int i = 0; i < 4; ++i) {
+      if (i > 0) {
+        stage.q = state.q;
+        displace(system, (i == 3 ? h : 0.5 * h) * k[i - 1], stage.q);
+      }
+      if (!rates_at(state.t + (i == 0 ? 0 : i == 3 ? h : 0.5 * h), stage, k[i])) return false;
+    }
+    displace(system, h / 6 * (k[0] + 2 * k[1] + 2 * k[2] + k[3]), state.q);
+    state.t += h;
+    return true;
+  }
+
+  // Constraints on velocities (rolling) leave positions to the way that was taken: integrates it from the last instant,
+  // each step against two of half its length.
+  bool roll(State& state, double t) {
+    const double begin = state.t;
+    double h = t - begin;
+    while (state.t < t) {
+      h = std::min(h, t - state.t);
+      State whole = state, halves = state;
+      if (!roll_step(whole, h) || !roll_step(halves, 0.5 * h) || !roll_step(halves, 0.5 * h)) return false;
+      const VectorXd apart = halves.q - whole.q;
+      const double error = largest_magnitude(apart) / std::max(1.0, scaling.length_m);
+      if (!std::isfinite(error)) return false;
+      if (error <= kRollError) {
+        halves.q += apart / 15;
+        normalize_quaternions(system, halves.q);
+        halves.t = h == t - state.t ? t : state.t + h;
+        state = halves;
+      } else if (h < kLeastPiece * (t - begin)) {
+        return false;
+      }
+      h *= std::clamp(0.9 * std::pow(kRollError / std::max(error, 1e-300), 0.2), 0.2, 4.0);
+    }
+    return true;
+  }
+
   bool reach(double t) {
     State state = current.state;
-    if (started && rates_known) {  // predict, then correct
+    if (started && !system.velocity_rows.empty()) {  // the way counts
+      if (!roll(state, t)) return false;
+      read_laws(t);
+    } else if (started && rates_known) {  // predict, then correct
       const double dt = t - state.t;
       const VectorXd step = dt * state.v + 0.5 * dt * dt * current.vdot;
       const double size = largest_magnitude(step.cwiseQuotient(scaling.columns)) / scaling.length_m;

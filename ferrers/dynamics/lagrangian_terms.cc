@@ -175,7 +175,7 @@ LagrangianEnergy compute_lagrangian_energy(const DynamicsModel& model, const Sta
   if (bound.scalars.empty()) return {};
   FormulaEvaluation at = make_lagrangian_evaluation(bound);
   read_lagrangian_inputs(model, state, pos, vel, at);
-  double results[3];
+  double results[3] = {0, 0, 0};
   bound.energy.evaluate(at.inputs.data(), results);
   return {results[0], results[1], results[2]};
 }

@@ -42,7 +42,7 @@ class BlockMaker {
     std::vector<std::string> inputs = values_;
     inputs.insert(inputs.end(), rates_.begin(), rates_.end());
     inputs.emplace_back("t");
-    block_.program = ExpressionProgram(outputs_, inputs);
+    block_.program = StateProgram(outputs_, inputs);
     system_.formulas.push_back(std::move(block_));
   }
 
@@ -64,6 +64,30 @@ class BlockMaker {
   std::map<StateScalar, int> places_;
 };
 
+// The constraints of a system given by functions: one block, in which every row reads every coordinate.
+void add_function_block(System& system, const std::vector<int>& couplings) {
+  if (couplings.empty()) return;
+  const Model& model = *system.model;
+  const Coupling& first = model.couplings()[couplings.front()];
+  const int n = static_cast<int>(first.scalars.size()), m = static_cast<int>(couplings.size());
+  FormulaBlock block;
+  for (const StateScalar& scalar : first.scalars) block.scalars.push_back(system.scalar_access(scalar));
+  for (const int c : couplings) {
+    FormulaBlock::Row row;
+    row.coupling = c;
+    row.row = system.couplings[c].row;
+    row.first_output = model.couplings()[c].relation->index * (n + kGradient);
+    for (int k = 0; k < n; ++k) row.scalars.push_back(k);
+    system.couplings[c].block = static_cast<int>(system.formulas.size());
+    system.couplings[c].relation = static_cast<int>(block.rows.size());
+    block.rows.push_back(std::move(row));
+  }
+  std::vector<double> parameters;
+  for (const Parameter& parameter : model.parameters()) parameters.push_back(parameter.value);
+  block.program = make_constraint_program(first.relation->system, n, m, std::move(parameters));
+  system.formulas.push_back(std::move(block));
+}
+
 void clear_row(const System& system, const FormulaBlock& block, const FormulaBlock::Row& row,
                Eigen::Ref<Eigen::RowVectorXd> out) {
   for (const int k : row.scalars) clear_coordinate_row(system, block.scalars[k], out);
@@ -75,12 +99,20 @@ void add_formula_blocks(System& system) {
   const std::vector<Closure>& closures = system.topology->closures;
   for (const Cluster& cluster : system.topology->clusters) {
     BlockMaker maker(system);
+    std::vector<int> of_functions;
     for (const int c : cluster.closures) {
       if (!closures[c].coupling.valid()) continue;
       const int coupling = closures[c].coupling.index();
-      if (system.model->couplings()[coupling].relation) maker.add(coupling);
+      const Relation* const relation = system.model->couplings()[coupling].relation.get();
+      if (relation == nullptr) continue;
+      if (relation->system) {
+        of_functions.push_back(coupling);
+      } else {
+        maker.add(coupling);
+      }
     }
     maker.finish();
+    add_function_block(system, of_functions);
   }
 }
 
@@ -97,7 +129,7 @@ FormulaBlock make_formula_block(const System& system, const Relation& relation, 
   std::vector<std::string> inputs = relation.values;
   inputs.insert(inputs.end(), relation.rates.begin(), relation.rates.end());
   inputs.emplace_back("t");
-  block.program = ExpressionProgram(outputs, inputs);
+  block.program = StateProgram(outputs, inputs);
   block.rows.push_back(std::move(row));
   return block;
 }

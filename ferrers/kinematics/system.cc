@@ -197,7 +197,7 @@ std::shared_ptr<const System> make_system(std::shared_ptr<const Model> model, co
     for (const StateScalar& scalar : coupling.scalars) row.scalars.push_back(system->scalar_access(scalar));
     if (coupling.relation) {
       if (coupling.relation->on_velocities) system->velocity_rows.push_back(row.row);
-      system->knows_time = system->knows_time || coupling.relation->offset.constant_value() != 0.0;
+      system->knows_time = system->knows_time || coupling.relation->knows_time;
     }
     system->couplings.push_back(std::move(row));
   }

@@ -7,6 +7,7 @@
 
 #include "ferrers/model/joints/joint_type.h"
 #include "ferrers/model/model.h"
+#include "ferrers/model/state_program.h"
 #include "ferrers/topology/topology.h"
 
 /// A model with a choice of tree, laid out for evaluation. Const; shared by every stage and thread.
@@ -83,7 +84,7 @@ struct FormulaBlock {
   };
   std::vector<CoordinateAccess> scalars;
   std::vector<Row> rows;
-  ExpressionProgram program;
+  StateProgram program;
   int input_count() const { return 2 * static_cast<int>(scalars.size()) + 1; }
 };
 

@@ -5,6 +5,7 @@
 
 #include "ferrers/core/closest_name.h"
 #include "ferrers/model/build_internal.h"
+#include "ferrers/model/lagrangian_system.h"
 
 namespace ferrers {
 namespace {
@@ -193,9 +194,44 @@ std::optional<Expression> ModelAssembler::energy_of_mass_matrix() {
   return energy;
 }
 
+/// A system given by functions: every constraint and every entry of M is over all its coordinates.
+void ModelAssembler::build_function_system() {
+  const LagrangianSpec& spec = spec_->lagrangian;
+  if (spec.kinetic_energy || spec.potential_energy || spec.dissipation || !spec.mass_matrix.empty() ||
+      !spec.forces.empty()) {
+    diagnostics_.error("F211", spec.at, "a Lagrangian system is given by functions and by formulas",
+                       "leave one of them out; constraints by formulas may be added");
+    return;
+  }
+  Lagrangian& lagrangian = model_.lagrangian_;
+  lagrangian.system = spec.system;
+  const int n = static_cast<int>(spec.coordinates.size());
+  for (int k = 0; k < n; ++k) {
+    const StateScalar scalar{{JointId(model_.coordinates_begin_ + static_cast<std::size_t>(k)), 0}};
+    lagrangian.scalars.push_back(scalar);
+    lagrangian.values.push_back(model_.scalar_name(scalar));
+    lagrangian.rates.push_back(model_.rate_name(scalar));
+    for (int l = k; l < n; ++l) lagrangian.mass.push_back({k, l, Expression()});
+  }
+  lagrangian.bias.assign(static_cast<std::size_t>(n), Expression());
+  lagrangian.force = lagrangian.bias;
+  for (std::size_t i = 0; i < spec.function_constraints.size(); ++i) {
+    Relation relation;
+    relation.on_velocities = spec.function_constraints[i].on_velocities;
+    relation.values = lagrangian.values;
+    relation.rates = lagrangian.rates;
+    relation.system = spec.system;
+    relation.index = static_cast<int>(i);
+    relation.knows_time = spec.system->knows_time();
+    model_.couplings_.push_back({spec.function_constraints[i].name.name, lagrangian.scalars, {},
+                                 std::make_shared<const Relation>(std::move(relation))});
+  }
+}
+
 void ModelAssembler::build_lagrangian() {
   static const NameRef kSection("lagrangian");
   const LagrangianSpec& spec = spec_->lagrangian;
+  if (spec.system) return build_function_system();
   FormulaScalars scalars;
   bool usable = true;
   const auto energy = [&](const std::optional<Expression>& given, std::string_view key, Dimension wanted) {

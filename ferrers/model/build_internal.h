@@ -148,6 +148,7 @@ class ModelAssembler {
                                             std::optional<Dimension> wanted, Field field);
   void build_constraints();
   std::optional<Expression> energy_of_mass_matrix();
+  void build_function_system();
   void build_lagrangian();
   bool place_drive_by_formula(const DriveSpec& spec, Drive& drive);
   void build_motions();

@@ -59,6 +59,7 @@ void ModelAssembler::index_names() {
   NameIndex couplings, forces, events;
   index_all(spec_->couplings, couplings, "coupling");
   index_all(spec_->constraints, couplings, "constraint");
+  index_all(spec_->lagrangian.function_constraints, couplings, "constraint");
   index_all(spec_->forces, forces, "force element");
   index_all(spec_->events, events, "event");
   const auto check_row_name = [this](const NameRef& name, std::string_view kind) {

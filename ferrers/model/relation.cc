@@ -28,6 +28,7 @@ void add_bias(Relation& relation) {
     rate.push_back(relation.gradient[k] * Expression::variable(relation.rates[k]));
   }
   relation.bias = along_motion(sum_of(rate), relation.values, relation.rates);
+  relation.knows_time = relation.offset.constant_value() != 0.0;
 }
 
 }  // namespace
@@ -77,7 +78,7 @@ Relation make_map(std::vector<Expression> gradient, const FormulaScalars& scalar
   return relation;
 }
 
-bool Lagrangian::has_forces() const { return !std::all_of(force.begin(), force.end(), is_zero); }
+bool Lagrangian::has_forces() const { return system != nullptr || !std::all_of(force.begin(), force.end(), is_zero); }
 
 Lagrangian make_lagrangian(const Expression& kinetic, const Expression& potential, const Expression& dissipation,
                            const std::vector<Expression>& forces, const FormulaScalars& scalars) {

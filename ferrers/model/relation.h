@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -14,6 +15,8 @@
 /// as formulas. Where x_k is itself a function of q (the angle of a joint that closes a loop), the chain rule is the
 /// evaluator's: everything here treats the x_k as if they were free.
 namespace ferrers {
+
+class LagrangianSystem;
 
 /// What a formula reads, with the names that it uses for values and rates. The order is that of `Relation::gradient`.
 struct FormulaScalars {
@@ -31,6 +34,10 @@ struct Relation {
   std::vector<Expression> gradient;        ///< a_k.
   Expression offset;                       ///< b.
   Expression bias;                         ///< c.
+  /// Instead of all formulas: constraint number `index` of a system given by functions, over all its coordinates.
+  std::shared_ptr<const LagrangianSystem> system;
+  int index = 0;
+  bool knows_time = false;
 };
 
 Relation make_relation(const Expression& residual, const FormulaScalars& scalars);
@@ -58,6 +65,7 @@ struct Lagrangian {
   std::vector<Expression> force;  ///< Q_k.
   /// ẋ_k ∂T/∂ẋ_k − T (T itself where it is quadratic), V, and what their sum changes by with time alone, ∂V/∂t − ∂T/∂t.
   Expression kinetic_part, potential_part, power_of_time;
+  std::shared_ptr<const LagrangianSystem> system;  ///< Instead of all formulas.
   bool any() const { return !scalars.empty(); }
   bool has_forces() const;
 };

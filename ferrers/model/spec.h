@@ -2,6 +2,7 @@
 
 #include <array>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -16,6 +17,8 @@
 /// Readers and C++ users fill a `ModelSpec`; `build_model` (model/build.h) checks it and computes a `Model`.
 /// Everything here is in SI; a place (`at`) is unknown for what was not read from a file.
 namespace ferrers {
+
+class LagrangianSystem;
 
 /// A literal, or an expression over the parameters.
 struct Number {
@@ -176,12 +179,19 @@ struct GeneralCoordinateSpec {
 
 /// A system given as the source method gives it [stepanyan, eq. (5)]: energies and forces as formulas over the state.
 /// Absent formulas are zero; `mass_matrix` stands for a kinetic energy ½ vᵀ M v.
+/// Without formulas: everything by the functions of `system` (model/lagrangian_system.h), for users of C++.
 struct LagrangianSpec {
+  struct FunctionConstraint {
+    NameRef name;
+    bool on_velocities = false;
+  };
   std::vector<GeneralCoordinateSpec> coordinates;
   std::optional<Expression> kinetic_energy, potential_energy;
   std::optional<Expression> dissipation;             ///< Rayleigh's function: forces −∂R/∂v.
   std::vector<std::vector<Expression>> mass_matrix;  ///< In the order of the coordinates; empty: not given.
   std::vector<std::pair<CoordinateRef, Expression>> forces;  ///< Generalized forces along coordinates.
+  std::shared_ptr<const LagrangianSystem> system;
+  std::vector<FunctionConstraint> function_constraints;  ///< Of `system`, in the order of its rows.
   SourceRange at;
   bool given() const {
     return !coordinates.empty() || kinetic_energy || potential_energy || dissipation || !mass_matrix.empty() ||
