@@ -451,6 +451,28 @@ events: {half: {when: "= t - 0.5", do: record}}
   }
 }
 
+TEST(DocsTest, EveryFieldOfTheEquationsJsonIsExplained) {
+  const Folder folder("equations-json");
+  const std::string page = read_text(kSource / "docs/equations.md");
+  std::set<std::string> keys;
+  for (const char* arguments : {"examples/two-motors/model.yaml --inverse", "nothing.yaml"}) {
+    const std::string output = folder.run(fmt::format("ferrers equations {} --json 2>/dev/null", arguments));
+    const ordered_json json = ordered_json::parse(output, nullptr, /*allow_exceptions=*/false);
+    ASSERT_TRUE(json.is_object()) << arguments << ": " << output;
+    for (const auto& [key, value] : json.items()) {
+      keys.insert(key);
+      if (key == "diagnostics") continue;  // docs/reading-the-report.md tells their keys
+      const ordered_json& inner = value.is_array() && !value.empty() ? value.front() : value;
+      if (!inner.is_object()) continue;
+      for (const auto& [name, unused] : inner.items()) keys.insert(name);
+    }
+  }
+  EXPECT_GT(keys.size(), 50u);
+  for (const std::string& key : keys) {
+    EXPECT_NE(page.find("`" + key + "`"), std::string::npos) << "`" << key << "` is not in docs/equations.md";
+  }
+}
+
 TEST(DocsTest, ThePageOfFormulasNamesEveryFunctionUnitAndPrefix) {
   const std::string page = read_text(kSource / "docs/formulas.md");
   for (const ExpressionFunction& function : expression_functions()) {
