@@ -49,6 +49,7 @@ TEST_F(CommandTest, HelpAndVersionAreResultsAndNotErrors) {
                                                     {"kinematics", "--help"},
                                                     {"equilibrium", "--help"},
                                                     {"linearize", "--help"},
+                                                    {"equations", "--help"},
                                                     {"schema", "--help"},
                                                     {"new", "--help"},
                                                     {"doctor", "--help"}}) {
@@ -61,8 +62,8 @@ TEST_F(CommandTest, HelpAndVersionAreResultsAndNotErrors) {
 
 TEST_F(CommandTest, HelpListsWhatThereIsAndNothingElse) {
   const std::string help = run({"--help"}).output;
-  for (const char* verb :
-       {"analyze", "inverse", "simulate", "kinematics", "equilibrium", "linearize", "schema", "new", "doctor"}) {
+  for (const char* verb : {"analyze", "inverse", "simulate", "kinematics", "equilibrium", "linearize", "equations",
+                           "schema", "new", "doctor"}) {
     EXPECT_THAT(help, HasSubstr("\n  " + std::string(verb) + " "));
   }
   for (const char* verb : {"view", "report", "sweep", "optimize", "plot", "convert"}) {
@@ -102,8 +103,8 @@ TEST_F(CommandTest, HelpIsAlsoAWordAndTellsTheSame) {
     EXPECT_EQ(result.output, general) << testing::PrintToString(arguments);
     EXPECT_THAT(result.errors, IsEmpty());
   }
-  for (const std::string verb :
-       {"analyze", "inverse", "simulate", "kinematics", "equilibrium", "linearize", "schema", "new", "doctor"}) {
+  for (const std::string verb : {"analyze", "inverse", "simulate", "kinematics", "equilibrium", "linearize",
+                                 "equations", "schema", "new", "doctor"}) {
     const Result result = run({"help", verb});
     EXPECT_EQ(result.exit_code, 0) << verb;
     EXPECT_EQ(result.output, run({verb, "--help"}).output) << verb;
@@ -164,7 +165,7 @@ TEST_F(CommandTest, OneParameterOptionTakesOneParameter) {
 
 TEST_F(CommandTest, AllErrorsOfAModelAreOnStderrWithTheirLines) {
   const std::string model = write("wrong.yaml", kWrongModel).string();
-  for (const char* verb : {"analyze", "simulate", "inverse", "kinematics", "equilibrium", "linearize"}) {
+  for (const char* verb : {"analyze", "simulate", "inverse", "kinematics", "equilibrium", "linearize", "equations"}) {
     const Result result = run({verb, model});
     EXPECT_EQ(result.exit_code, 3) << verb;
     EXPECT_THAT(result.output, IsEmpty());
@@ -224,7 +225,7 @@ TEST_F(CommandTest, ALoopThatCannotCloseIsExitFourWithItsGap) {
 TEST_F(CommandTest, DynamicsWantsMassesAndNamesTheBodies) {
   const std::string model = write("massless.yaml", kMasslessModel).string();
   EXPECT_EQ(run({"analyze", model}).exit_code, 0);
-  for (const char* verb : {"simulate", "inverse", "equilibrium", "linearize"}) {
+  for (const char* verb : {"simulate", "inverse", "equilibrium", "linearize", "equations"}) {
     const Result result = run({verb, model, "--json"});
     EXPECT_EQ(result.exit_code, 3);
     EXPECT_THAT(result.errors, HasSubstr(":4:3: error[F504]: body 'a' has no mass"));

@@ -344,6 +344,53 @@ TEST(DocsTest, ForcesInTheDoorAreThoseOfTheClosedForm) {
 
 TEST(DocsTest, FiguresOfTheReportStandInTheReport) { expect_figures_are_founded("reading-the-report", {0.05}); }
 
+// The walk through both problems by hand: one equation, 8 θ'' + 88.29 cos θ = Q, θ counted from 0.7 rad as drawn.
+TEST(DocsTest, FiguresOfTheMethodPageAreThoseOfTheClosedForm) {
+  const std::string name = "method";
+  const double I = 3 * 2 * 1.0 / 3 + 6, G = (3 * 2 / 2.0 + 6) * 9.81, drawn = 0.7, t = 0.3, dt = 0.05;
+  const double q = 0.5 * (1 - std::cos(2 * t)), v = std::sin(2 * t), a = 2 * std::cos(2 * t);
+  const double torque = I * a + G * std::cos(drawn + q);
+  // The driven crank's equation has one multiplier only, with the entry −cos 0.7: the row's axes turn with the crank.
+  const double crank = 2.0 / 3 * a + 9.81 * std::cos(drawn + q), multiplier = (torque - crank) / std::cos(drawn);
+  const double begin = (75 - G * std::cos(drawn)) / I, q_next = 0.5 * dt + begin * dt * dt / 2,
+               v_next = 0.5 + begin * dt;
+  for (const double value : {q, v, a, torque, multiplier, begin, q_next, v_next}) {
+    EXPECT_TRUE(page_has(name, value)) << value;
+  }
+  for (int l = 0; l <= 10; ++l) {
+    const double angle = 0.5 * (1 - std::cos(0.2 * l));
+    EXPECT_TRUE(page_has(name, angle)) << l;
+    EXPECT_TRUE(page_has(name, 2 * I * std::cos(0.2 * l) + G * std::cos(drawn + angle))) << l;
+  }
+  // The scheme of step 4 on the one equation: the table's rows and the errors of its finer steps.
+  const double converged = 0.2177150654614818;  // integrated to 25 digits
+  for (const int steps : {6, 12, 24, 48}) {
+    double angle = 0, rate = 0.5;
+    const double h = t / steps;
+    for (int l = 0; l < steps; ++l) {
+      EXPECT_TRUE(steps > 6 || (page_has(name, angle) && page_has(name, rate))) << l;
+      const double acceleration = (75 + 10 * l * h - G * std::cos(drawn + angle)) / I;
+      angle += h * rate + h * h * acceleration / 2;
+      rate += h * acceleration;
+    }
+    EXPECT_TRUE(page_has(name, angle)) << steps;
+    EXPECT_TRUE(page_has(name, std::stod(fmt::format("{:.3g}", angle - converged)))) << steps;
+  }
+  expect_figures_are_founded(name, {G, drawn, drawn + q, torque, begin, q_next, v_next, dt, 0.5});
+}
+
+TEST(DocsTest, FunctionsOfTheMethodPageStandInTheHeadersThatItLinks) {
+  static const std::regex link("\\[`(\\w+)`\\]\\(\\.\\./(ferrers/[^)]+\\.h)\\)");
+  const std::string page = read_text(kSource / "docs/method.md");
+  std::set<std::string> functions;
+  for (std::sregex_iterator it(page.begin(), page.end(), link), last; it != last; ++it) {
+    functions.insert((*it)[1]);
+    const std::regex word("\\b" + (*it)[1].str() + "\\b");
+    EXPECT_TRUE(std::regex_search(read_text(kSource / (*it)[2].str()), word)) << (*it)[0];
+  }
+  EXPECT_GE(functions.size(), 18u);
+}
+
 // The bounds that the page names, from the function that decides.
 TEST(DocsTest, BoundsOfTheRankPageAreThoseThatDecide) {
   const auto decide = [](double second, double blur = 0) {
@@ -448,6 +495,28 @@ events: {half: {when: "= t - 0.5", do: record}}
   EXPECT_GT(keys.size(), 60u);
   for (const std::string& key : keys) {
     EXPECT_NE(page.find("`" + key + "`"), std::string::npos) << "`" << key << "` is not in docs/results.md";
+  }
+}
+
+TEST(DocsTest, EveryFieldOfTheEquationsJsonIsExplained) {
+  const Folder folder("equations-json");
+  const std::string page = read_text(kSource / "docs/equations.md");
+  std::set<std::string> keys;
+  for (const char* arguments : {"examples/two-motors/model.yaml --inverse", "nothing.yaml"}) {
+    const std::string output = folder.run(fmt::format("ferrers equations {} --json 2>/dev/null", arguments));
+    const ordered_json json = ordered_json::parse(output, nullptr, /*allow_exceptions=*/false);
+    ASSERT_TRUE(json.is_object()) << arguments << ": " << output;
+    for (const auto& [key, value] : json.items()) {
+      keys.insert(key);
+      if (key == "diagnostics") continue;  // docs/reading-the-report.md tells their keys
+      const ordered_json& inner = value.is_array() && !value.empty() ? value.front() : value;
+      if (!inner.is_object()) continue;
+      for (const auto& [name, unused] : inner.items()) keys.insert(name);
+    }
+  }
+  EXPECT_GT(keys.size(), 50u);
+  for (const std::string& key : keys) {
+    EXPECT_NE(page.find("`" + key + "`"), std::string::npos) << "`" << key << "` is not in docs/equations.md";
   }
 }
 

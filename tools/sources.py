@@ -6,7 +6,7 @@ import re
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-CPP_FOLDERS = ("ferrers", "apps", "tests", "bench")
+CPP_FOLDERS = ("ferrers", "apps", "examples", "tests", "bench")
 
 
 def cpp_files(root=ROOT, folders=CPP_FOLDERS):

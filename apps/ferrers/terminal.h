@@ -11,6 +11,8 @@
 class Style {
  public:
   explicit Style(std::FILE* stream);
+  /// No colours: what goes to a file.
+  static Style plain() { return Style(); }
   std::string bold(std::string_view text) const { return paint("1", text); }
   std::string dim(std::string_view text) const { return paint("2", text); }
   std::string red(std::string_view text) const { return paint("1;31", text); }
@@ -19,8 +21,9 @@ class Style {
   bool colored() const { return colored_; }
 
  private:
+  Style() = default;
   std::string paint(std::string_view code, std::string_view text) const;
-  bool colored_;
+  bool colored_ = false;
 };
 
 bool is_terminal(std::FILE* stream);

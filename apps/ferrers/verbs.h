@@ -13,6 +13,7 @@ void add_simulate(CLI::App& command, Job& job);
 void add_kinematics(CLI::App& command, Job& job);
 void add_equilibrium(CLI::App& command, Job& job);
 void add_linearize(CLI::App& command, Job& job);
+void add_equations(CLI::App& command, Job& job);
 void add_schema(CLI::App& command, Job& job);
 void add_new(CLI::App& command, Job& job);
 void add_doctor(CLI::App& command, Job& job);

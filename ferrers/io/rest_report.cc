@@ -3,26 +3,12 @@
 #include <numbers>
 
 #include "ferrers/dynamics/named_coordinates.h"
-#include "ferrers/io/json_values.h"
+#include "ferrers/io/json_matrices.h"
 
 namespace ferrers {
 namespace {
 
-OrderedJson vector_value(const VectorXd& values) {
-  OrderedJson out = OrderedJson::array();
-  for (const double value : values) out.push_back(value);
-  return out;
-}
-
-OrderedJson matrix_value(const MatrixXd& M) {
-  OrderedJson out = OrderedJson::array();
-  for (long i = 0; i < M.rows(); ++i) out.push_back(vector_value(M.row(i).transpose()));
-  return out;
-}
-
 OrderedJson complex_value(const std::complex<double>& value) { return {{"re", value.real()}, {"im", value.imag()}}; }
-
-OrderedJson text_or_null(const std::string& text) { return text.empty() ? OrderedJson() : OrderedJson(text); }
 
 OrderedJson coordinate_value(const NamedCoordinate& one, bool with_value) {
   OrderedJson value;

@@ -30,15 +30,27 @@ std::vector<std::string> split(const std::string& line) {
 
 using Row = std::map<std::string, double>;
 
-// The header and the last line with as many cells, which ends with a line end.
-std::string read_last_row(const std::filesystem::path& file, Row& row) {
+// Distance in time of a line's first cell, t; infinite where that is no number.
+double distance_in_time(const std::string& line, double t) {
+  char* end = nullptr;
+  const double at = std::strtod(line.c_str(), &end);
+  return end != line.c_str() && std::isfinite(at) ? std::abs(at - t) : INFINITY;
+}
+
+// The header and one complete line, which ends with a line end: the last one, or the one nearest in time.
+std::string read_row(const std::filesystem::path& file, const std::optional<double>& t, Row& row) {
   std::ifstream in(file);
   if (!in) return fmt::format("'{}' cannot be read", file.string());
   std::string line, last;
   if (!std::getline(in, line)) return fmt::format("'{}' is empty", file.string());
   const std::vector<std::string> names = split(line);
+  double nearest = INFINITY;
   while (std::getline(in, line)) {
-    if (!in.eof()) last = line;
+    if (in.eof()) break;
+    const double distance = t ? distance_in_time(line, *t) : 0;
+    if (t && !(distance < nearest)) continue;
+    nearest = distance;
+    last = line;
   }
   const std::vector<std::string> cells = split(last);
   if (last.empty() || cells.size() != names.size()) return fmt::format("'{}' has no complete row", file.string());
@@ -59,7 +71,8 @@ class Reader {
     const auto& joints = system_.model->joints();
     for (std::size_t j = 0; j < joints.size(); ++j) take(JointId(j), joints[j]);
     for (const FloatingBody& body : find_floating_bodies(system_)) take_floating(body);
-    if (!missing_.empty()) return fmt::format("there is no column '{}' with a number in its last row", missing_);
+    if (!missing_.empty())
+      return fmt::format("there is no column '{}' with a number in the row that is read", missing_);
     PositionKinematics pos = make_position_kinematics(system_);
     VelocityKinematics vel = make_velocity_kinematics(system_);
     compute_positions(system_, state_.q, pos);
@@ -179,13 +192,11 @@ std::string read_drives(const Model& model, const std::filesystem::path& folder,
   return "";
 }
 
-}  // namespace
-
-RestartResult read_restart(const System& system, const std::filesystem::path& folder) {
+RestartResult read_state(const System& system, const std::filesystem::path& folder, const std::optional<double>& t) {
   RestartResult result;
   const std::filesystem::path file = folder / "result.csv";
   Row row;
-  result.error = read_last_row(file, row);
+  result.error = read_row(file, t, row);
   if (!result.error.empty()) return result;
   Reader reader(system, row);
   result.error = reader.read();
@@ -194,9 +205,21 @@ RestartResult read_restart(const System& system, const std::filesystem::path& fo
     return result;
   }
   result.state = reader.state();
+  return result;
+}
+
+}  // namespace
+
+RestartResult read_restart(const System& system, const std::filesystem::path& folder) {
+  RestartResult result = read_state(system, folder, std::nullopt);
+  if (!result.state) return result;
   result.error = read_drives(*system.model, folder, result);
   if (!result.error.empty()) result.state.reset();
   return result;
+}
+
+RestartResult read_stored_state(const System& system, const std::filesystem::path& folder, double t) {
+  return read_state(system, folder, t);
 }
 
 }  // namespace ferrers

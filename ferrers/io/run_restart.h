@@ -24,4 +24,8 @@ struct RestartResult {
 };
 RestartResult read_restart(const System& system, const std::filesystem::path& folder);
 
+/// The state in the row of `result.csv` whose time is nearest to `t`, s: any row tells one, not only the last. Drives
+/// that events have switched off are not looked for.
+RestartResult read_stored_state(const System& system, const std::filesystem::path& folder, double t);
+
 }  // namespace ferrers

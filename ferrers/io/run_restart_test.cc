@@ -7,6 +7,7 @@
 
 #include "ferrers/io/run_folder.h"
 #include "ferrers/testing/run_probe.h"
+#include "ferrers/testing/zoo.h"
 #include "ferrers/testing/zoo_parts.h"
 
 namespace ferrers::witness {
@@ -91,6 +92,25 @@ TEST_F(RunRestartTest, AFloatingBodyGoesOnFromWhereItWas) {
   EXPECT_NEAR(rest.samples.front().values[rest.columns.at("energy")], whole.at(0, "energy"), 1e-9);
   EXPECT_NEAR(rest.at(0.5, "P.z"), whole.at(0.5, "P.z"), 1e-12);
   expect_same_end(whole, rest);
+}
+
+TEST_F(RunRestartTest, AnyRowTellsAStateTheNearestInTimeIsTaken) {
+  const ModelSpec spec = make_driven_four_bar();
+  SimulationOptions options;
+  options.grid = {.t_end = 0.2, .every = 0.05};
+  const ProbedRun run = write(spec, options);
+  const EngineProbe engine(spec);
+  for (const auto& [t, row] : {std::pair{-1.0, 0}, {0.05, 1}, {0.08, 2}, {0.07, 1}, {7.0, 4}}) {
+    const RestartResult stored = read_stored_state(*engine.system, folder_, t);
+    ASSERT_TRUE(stored.state.has_value()) << stored.error;
+    EXPECT_EQ(stored.state->t, run.samples[static_cast<std::size_t>(row)].t) << t;
+  }
+  const RestartResult last = read_restart(*engine.system, folder_),
+                      at_end = read_stored_state(*engine.system, folder_, 0.2);
+  ASSERT_TRUE(last.state && at_end.state);
+  EXPECT_EQ(last.state->q, at_end.state->q);
+  EXPECT_EQ(last.state->v, at_end.state->v);
+  EXPECT_FALSE(read_stored_state(*engine.system, folder_ / "nowhere", 0).error.empty());
 }
 
 TEST_F(RunRestartTest, AFloatingBodyFallsFreelyInItsColumns) {
