@@ -97,15 +97,16 @@ std::optional<StateFormula> ModelAssembler::state_formula(const Expression& expr
     out.inputs.push_back(*input);
   }
   if (!usable) return std::nullopt;
-  out.expression = expression.substitute([&](std::string_view name) -> std::optional<Expression> {
-    const auto parameter = parameter_index_.find(std::string(name));
-    if (name != "t" && parameter != parameter_index_.end()) {
-      return Expression::constant(model_.parameters_[static_cast<std::size_t>(parameter->second)].value);
-    }
+  out.symbolic = expression.substitute([&](std::string_view name) -> std::optional<Expression> {
     for (const auto& [written, canonical] : spelling) {
       if (written == name && written != canonical) return Expression::variable(canonical);
     }
     return std::nullopt;
+  });
+  out.expression = out.symbolic.substitute([&](std::string_view name) -> std::optional<Expression> {
+    const auto parameter = parameter_index_.find(std::string(name));
+    if (name == "t" || parameter == parameter_index_.end()) return std::nullopt;
+    return Expression::constant(model_.parameters_[static_cast<std::size_t>(parameter->second)].value);
   });
   const std::optional<double> constant = out.expression.constant_value();
   if (!constant || std::isfinite(*constant)) return out;
@@ -132,7 +133,9 @@ void ModelAssembler::build_constraints() {
                          fmt::format("a constraint that is linear in velocities is written {}: {{velocity: = ...}}",
                                      spec.name.name));
     } else if (formula && !spec.on_velocities) {
-      coupling.relation = std::make_shared<const Relation>(make_relation(formula->expression, scalars));
+      Relation relation = make_relation(formula->expression, scalars);
+      relation.symbolic = formula->symbolic;
+      coupling.relation = std::make_shared<const Relation>(std::move(relation));
     } else if (formula) {
       std::optional<Relation> relation = make_velocity_relation(formula->expression, scalars);
       if (!relation || !reads_rates(*formula)) {
@@ -140,6 +143,7 @@ void ModelAssembler::build_constraints() {
                            fmt::format("the constraint '{}' is not linear in the velocities", spec.name.name),
                            "write a sum of velocities times formulas of positions and time");
       } else {
+        relation->symbolic = formula->symbolic;
         coupling.relation = std::make_shared<const Relation>(std::move(*relation));
       }
     }
@@ -234,7 +238,8 @@ void ModelAssembler::build_lagrangian() {
   if (spec.system) return build_function_system();
   FormulaScalars scalars;
   bool usable = true;
-  const auto energy = [&](const std::optional<Expression>& given, std::string_view key, Dimension wanted) {
+  const auto energy = [&](const std::optional<Expression>& given, std::string_view key, Dimension wanted,
+                          Expression& symbolic) {
     if (!given) return Expression();
     const std::optional<StateFormula> formula =
         state_formula(*given, LawScope::kOfState, wanted, Field{key, kSection});
@@ -246,6 +251,7 @@ void ModelAssembler::build_lagrangian() {
       usable = false;
     }
     collect(*formula, model_, scalars);
+    symbolic = formula->symbolic;
     return formula->expression;
   };
   std::optional<Expression> kinetic_energy = spec.kinetic_energy;
@@ -256,9 +262,10 @@ void ModelAssembler::build_lagrangian() {
     kinetic_energy = energy_of_mass_matrix();
     usable = usable && kinetic_energy.has_value();
   }
-  const Expression kinetic = energy(kinetic_energy, "kinetic_energy", kTorque);
-  const Expression potential = energy(spec.potential_energy, "potential_energy", kTorque);
-  const Expression dissipation = energy(spec.dissipation, "dissipation", kTorque / kTime);
+  Expression T, V, R;
+  const Expression kinetic = energy(kinetic_energy, "kinetic_energy", kTorque, T);
+  const Expression potential = energy(spec.potential_energy, "potential_energy", kTorque, V);
+  const Expression dissipation = energy(spec.dissipation, "dissipation", kTorque / kTime, R);
   std::vector<std::pair<int, Expression>> forces;
   for (const auto& [ref, formula] : spec.forces) {
     const Field field{"forces", ref.joint};
@@ -276,6 +283,9 @@ void ModelAssembler::build_lagrangian() {
     along[static_cast<std::size_t>(k)] = along[static_cast<std::size_t>(k)] + force;
   }
   model_.lagrangian_ = make_lagrangian(kinetic, potential, dissipation, along, scalars);
+  model_.lagrangian_.kinetic = std::move(T);
+  model_.lagrangian_.potential = std::move(V);
+  model_.lagrangian_.dissipation = std::move(R);
 }
 
 /// A drive by a formula: on a quantity s(x), or by its map.

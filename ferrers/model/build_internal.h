@@ -33,6 +33,7 @@ using OnBoth = std::array<Vector3d, 2>;
 /// A formula of time and state: parameters are numbers, `names[i]` is what it calls `inputs[i]`.
 struct StateFormula {
   Expression expression;
+  Expression symbolic;  ///< The same with parameters by their names.
   std::vector<std::string> names;
   std::vector<LawInput> inputs;
 };

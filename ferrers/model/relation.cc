@@ -87,9 +87,6 @@ Lagrangian make_lagrangian(const Expression& kinetic, const Expression& potentia
   out.scalars = scalars.scalars;
   out.values = scalars.values;
   out.rates = scalars.rates;
-  out.kinetic = kinetic;
-  out.potential = potential;
-  out.dissipation = dissipation;
   const int count = static_cast<int>(out.values.size());
   std::vector<Expression> kinetic_part = {-kinetic};
   for (int k = 0; k < count; ++k) {

@@ -34,6 +34,7 @@ struct Relation {
   std::vector<Expression> gradient;        ///< a_k.
   Expression offset;                       ///< b.
   Expression bias;                         ///< c.
+  Expression symbolic;                     ///< As given, with the names of parameters: for people.
   /// Instead of all formulas: constraint number `index` of a system given by functions, over all its coordinates.
   std::shared_ptr<const LagrangianSystem> system;
   int index = 0;
@@ -55,7 +56,7 @@ Relation make_map(std::vector<Expression> gradient, const FormulaScalars& scalar
 struct Lagrangian {
   std::vector<StateScalar> scalars;
   std::vector<std::string> values, rates;
-  Expression kinetic, potential, dissipation;  ///< T, V, R as given: for people.
+  Expression kinetic, potential, dissipation;  ///< T, V, R as given, with the names of parameters: for people.
   struct MassEntry {
     int row = 0, column = 0;  ///< row ≤ column.
     Expression value;
