@@ -106,7 +106,7 @@ void load_composites(const DynamicsModel& model, const PositionKinematics& pos, 
                      const VelocityKinematics& vel, const std::vector<Matrix3d>& inertias_N,
                      std::vector<Equations::Composite>& composites) {
   const Vector3d gravity = model.system->model->gravity();
-  for (std::size_t i = 1; i < composites.size(); ++i) {
+  for (int i = 1; i < model.system->body_nodes; ++i) {
     const NodeInertia& body = model.inertias[i];
     const Matrix3d& R = pos.nodes[i].R;
     Equations::Composite& c = composites[i];
@@ -160,8 +160,9 @@ void fill_mass_column(const System& system, const PositionKinematics& pos, const
 
 void sweep(const DynamicsModel& model, Equations& eq, bool with_bias) {
   const System& system = *model.system;
+  if (with_bias) eq.h.tail(system.topology->general_coordinates).setZero();  // what the bodies do not write
   load_composites(model, eq.pos, with_bias, eq.vel, eq.inertias_N, eq.composites);
-  for (int i = static_cast<int>(system.nodes.size()) - 1; i > 0; --i) {
+  for (int i = system.body_nodes - 1; i > 0; --i) {
     const Node& node = system.nodes[i];
     const Equations::Composite& c = eq.composites[i];
     for (int k = node.v; k < node.v + node.nv; ++k) {
@@ -226,7 +227,7 @@ void compute_applied_forces(const DynamicsModel& model, const State& state, Equa
     for (Wrenches& w : out.applied) w.setZero();
     compute_force_elements(model, state, out.pos, out.vel, out.applied, out.tau);
     add_lagrangian_forces(model, out.pos, out.lagrangian, out.applied, out.tau);
-    for (int i = static_cast<int>(system.nodes.size()) - 1; i > 0; --i) {
+    for (int i = system.body_nodes - 1; i > 0; --i) {
       const Node& node = system.nodes[i];
       const auto w = out.applied[i].col(0);
       for (int k = node.v; k < node.v + node.nv; ++k) out.tau[k] += w.dot(out.pos.S[k]);

@@ -5,6 +5,7 @@
 
 #include "ferrers/dynamics/holding.h"
 #include "ferrers/io/equations_document.h"
+#include "ferrers/io/equations_symbolic.h"
 
 namespace ferrers {
 namespace {
@@ -171,7 +172,7 @@ std::string residuals_text(const EquationsReport& report) {
 
 std::string body(const EquationsDocument& document) {
   const EquationsReport& report = *document.report;
-  std::string out = decision_text(document);
+  std::string out = decision_text(document) + symbolic_equations_latex(*document.dynamics->system->model);
   if (!report.has_equations) return out + escaped(report.message) + "\n";
   out += "\\subsection*{State}\n" + vectors_block("position", report.position_names, {"q"}, {cells(report.state.q)});
   out += vectors_block("coordinate", report.coordinate_names, {"v"}, {cells(report.state.v)});

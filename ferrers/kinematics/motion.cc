@@ -21,7 +21,7 @@ void compute_positions(const System& system, const VectorXd& q, PositionKinemati
   const VectorXd& no_velocity = q;  // S does not read v
   Twist S_F[6], ignored;
   Pose X_FM;
-  for (std::size_t i = 1; i < system.nodes.size(); ++i) {
+  for (int i = 1; i < system.body_nodes; ++i) {
     const Node& node = system.nodes[i];
     const PositionKinematics::NodePosition& parent = out.nodes[node.parent];
     PositionKinematics::NodePosition& here = out.nodes[i];
@@ -70,7 +70,7 @@ Twist subspace_rate(const Node& node, const Matrix3d& R_F, const VectorXd& q, co
 
 void compute_velocities(const System& system, const PositionKinematics& pos, const VectorXd& q, const VectorXd& v,
                         VelocityKinematics& out) {
-  for (std::size_t i = 1; i < system.nodes.size(); ++i) {
+  for (int i = 1; i < system.body_nodes; ++i) {
     const Node& node = system.nodes[i];
     const VelocityKinematics::NodeVelocity& parent = out.nodes[node.parent];
     VelocityKinematics::NodeVelocity& here = out.nodes[i];
@@ -104,7 +104,7 @@ void compute_accelerations(const System& system, const PositionKinematics& pos, 
                            const VectorXd& vdot, VelocityKinematics& out) {
   out.nodes[0] = vel.nodes[0];
   // Only the part that vdot adds is propagated: it is linear, like a velocity.
-  for (std::size_t i = 1; i < system.nodes.size(); ++i) {
+  for (int i = 1; i < system.body_nodes; ++i) {
     const Node& node = system.nodes[i];
     const Vector3d r = pos.nodes[i].p - pos.nodes[node.parent].p;
     VelocityKinematics::NodeVelocity& here = out.nodes[i];

@@ -183,6 +183,7 @@ std::shared_ptr<const System> make_system(std::shared_ptr<const Model> model, co
   system->m = t.closure_rows;
   for (std::size_t i = 0; i < t.forest.nodes.size(); ++i) {
     system->nodes.push_back(make_node(*system, t.forest.nodes[i], static_cast<int>(i)));
+    if (t.forest.nodes[i].body.valid()) system->body_nodes = static_cast<int>(i) + 1;
   }
   add_cuts(*system);
   for (const RecordedPoint& point : system->model->records()) {

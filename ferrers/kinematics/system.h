@@ -98,7 +98,8 @@ struct System {
   std::shared_ptr<const Model> model;
   std::shared_ptr<const Topology> topology;
   int nq = 0, nv = 0, m = 0, winding_count = 0;
-  std::vector<Node> nodes;  ///< [0] is ground; parents come first.
+  std::vector<Node> nodes;  ///< [0] is ground; parents come first, generalized coordinates last.
+  int body_nodes = 0;       ///< How many of them are bodies, ground included: those that have a pose.
   std::vector<CutJoint> cuts;
   std::vector<CouplingRow> couplings;  ///< As many as the model's, in their order.
   std::vector<FormulaBlock> formulas;

@@ -35,6 +35,7 @@ class Extractor {
     out_.system.model = whole_.model;
     out_.system.topology = whole_.topology;
     out_.system.nodes.push_back(whole_.nodes[0]);
+    out_.system.body_nodes = 1;
     for (const int n : moving_nodes(whole_, cluster)) add_node(n);
     for (const int c : cluster.closures) {
       if (whole_.topology->closures[c].joint.valid()) add_cut(c);
@@ -69,6 +70,7 @@ class Extractor {
     node.v = out_.system.nv;
     out_.system.nq += node.nq;
     out_.system.nv += node.nv;
+    if (node.type->carries_body) out_.system.body_nodes = static_cast<int>(out_.system.nodes.size()) + 1;
     out_.system.nodes.push_back(std::move(node));
   }
 
