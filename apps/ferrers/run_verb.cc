@@ -163,6 +163,7 @@ class Output {
       copy(drive.motion);
       copy(drive.effort);
     }
+    for (const auto& [coordinate, law] : loaded_.model->spec().motions) copy(std::array<LawSpec, 1>{law});
     for (const ForceSpec& force : loaded_.model->spec().forces) {
       if (const auto* load = std::get_if<LoadSpec>(&force.element)) copy(load->components);
     }

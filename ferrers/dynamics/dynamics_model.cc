@@ -190,9 +190,12 @@ class Binder {
         c.coordinate = drive.coordinate;
         c.access = system().access(drive.coordinate);
         const Joint& joint = model().joint(drive.coordinate.joint);
-        c.rotary = joint_type_info(joint.type).coordinates[drive.coordinate.index].is_angular();
+        const CoordinateInfo& info = joint_type_info(joint.type).coordinates[drive.coordinate.index];
+        c.rotary = info.is_angular();
+        c.has_unit = info.kind != CoordinateKind::kOther;
       } else if (drive.kind == Drive::Kind::kFormula) {
         c.formula = make_formula_block(system(), *drive.relation, drive.scalars);
+        c.has_unit = false;
       } else {
         const BodyId first = drive.kind == Drive::Kind::kPoint ? kGround : drive.first;
         const Vector3d p_1 = drive.kind == Drive::Kind::kPoint ? Vector3d(0, 0, 0) : drive.point_1_m;

@@ -85,7 +85,8 @@ struct DriveComponent {
   std::optional<Law> motion;
   std::optional<BoundLaw> effort;
   double weight = 1;    ///< Of its effort where drives share a load.
-  bool rotary = false;  ///< Its effort is a torque, N·m.
+  bool rotary = false;   ///< Its effort is a torque, N·m.
+  bool has_unit = true;  ///< False: by a formula, or on a coordinate that is neither an angle nor a length.
   /// Whether inverse dynamics finds its effort: a motion is prescribed, or it has no law at all and helps.
   bool effort_is_sought() const { return acts && (motion.has_value() || !effort.has_value()); }
 };

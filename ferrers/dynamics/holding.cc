@@ -75,12 +75,12 @@ void add_idle(const ReducedMotion& motion, const HoldingSystem& hold, const Matr
 
 std::vector<bool> holding_drives(const DynamicsModel& model) {
   std::vector<bool> holds;
-  for (const DriveComponent& drive : model.drives) holds.push_back(drive.motion || !drive.effort);
+  for (const DriveComponent& drive : model.drives) holds.push_back(drive.effort_is_sought());
   const bool any = std::find(holds.begin(), holds.end(), true) != holds.end();
   return any ? holds : std::vector<bool>(holds.size(), true);
 }
 
-std::string_view effort_unit(const DriveComponent& drive) { return drive.rotary ? "N·m" : "N"; }
+std::string_view effort_unit(const DriveComponent& drive) { return !drive.has_unit ? "" : drive.rotary ? "N·m" : "N"; }
 
 HoldingResult solve_holding_efforts(const DynamicsModel& model, const State& pose, double t) {
   const System& system = *model.system;

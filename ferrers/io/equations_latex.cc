@@ -133,7 +133,7 @@ std::string motion_text(const EquationsDocument& document) {
   for (int i = 0; i < document.dynamics->nu(); ++i) {
     const DriveComponent& drive = document.dynamics->drives[static_cast<std::size_t>(i)];
     const bool known = report.solved() || report.problem == EquationsProblem::kForward;
-    names.push_back(fmt::format("{} ({})", drive.name, drive.rotary ? "N m" : "N"));
+    names.push_back(drive.has_unit ? fmt::format("{} ({})", drive.name, drive.rotary ? "N m" : "N") : drive.name);
     efforts.push_back(known ? number_text(report.u[i], largest_of(report.u)) : "\\text{?}");
   }
   return out + vectors_block("drive", names, {"u"}, {efforts});

@@ -198,6 +198,7 @@ void add_summary(const RunDocument& document, OrderedJson& out) {
 DrivePeaks::DrivePeaks(const DynamicsModel& model) {
   const std::vector<std::string> columns = run_columns(model);
   for (const DriveComponent& drive : model.drives) {
+    if (!drive.acts) continue;
     const auto found = std::find(columns.begin(), columns.end(), drive.name + ".effort");
     require(found != columns.end(), "DrivePeaks: a drive without a column");
     columns_.push_back(static_cast<std::size_t>(found - columns.begin()));

@@ -113,6 +113,12 @@ ForwardStatus Evaluator::choose_again(const State& state, RunSummary& summary) {
 ForwardStatus Evaluator::evaluate(const State& state) {
   ++evaluations_;
   compute_equations(*model_, state, eq_);
+  coordinate_size_ = coordinate_speed_ = 0;
+  for (std::size_t i = static_cast<std::size_t>(system().body_nodes); i < system().nodes.size(); ++i) {
+    const Node& node = system().nodes[i];
+    coordinate_size_ = std::max(coordinate_size_, std::abs(state.q[node.q]) / scaling_.columns[node.v]);
+    coordinate_speed_ = std::max(coordinate_speed_, std::abs(state.v[node.v]) / scaling_.columns[node.v]);
+  }
   if (std::string problem = find_law_without_value(*model_, eq_, state.t); !problem.empty()) {
     note_motion_problem(state.t, std::move(problem));
     return ForwardStatus::kWornSelection;
@@ -180,18 +186,20 @@ bool Evaluator::laws_agree(double t) {
 
 double Evaluator::rounding_of_positions() const {
   double place = 0;
-  for (std::size_t i = 1; i < eq_.pos.nodes.size(); ++i) place = std::max(place, eq_.pos.nodes[i].p.squaredNorm());
-  return 2 * std::numeric_limits<double>::epsilon() * std::max(scaling_.length_m, std::sqrt(place));
+  for (int i = 1; i < system().body_nodes; ++i) place = std::max(place, eq_.pos.nodes[i].p.squaredNorm());
+  return 2 * std::numeric_limits<double>::epsilon() *
+         std::max({scaling_.length_m, std::sqrt(place), coordinate_size_});
 }
 
 // What it leaves in G v, m/s.
 double Evaluator::rounding_of_velocities() const {
   double speed = 0, turn = 0;
-  for (std::size_t i = 1; i < eq_.vel.nodes.size(); ++i) {
+  for (int i = 1; i < system().body_nodes; ++i) {
     speed = std::max(speed, eq_.vel.nodes[i].v.squaredNorm());
     turn = std::max(turn, eq_.vel.nodes[i].w.squaredNorm());
   }
-  return 2 * std::numeric_limits<double>::epsilon() * (std::sqrt(speed) + scaling_.length_m * std::sqrt(turn));
+  return 2 * std::numeric_limits<double>::epsilon() *
+         (std::sqrt(speed) + scaling_.length_m * std::sqrt(turn) + coordinate_speed_);
 }
 
 double Evaluator::settle(State& state, const VectorXd* offset) {

@@ -125,6 +125,7 @@ class Evaluator {
   Watched latest_, before_latest_;
   bool pivot_known_ = false, settles_stages_ = false;
   double residual_ = 0;
+  double coordinate_size_ = 0, coordinate_speed_ = 0;  ///< Largest of the generalized coordinates, scaled: m, m/s.
   long evaluations_ = 0;
 };
 

@@ -38,7 +38,7 @@ double on_grid(const std::vector<double>& times, double t) {
 std::vector<int> drives_with_motion(const DynamicsModel& model) {
   std::vector<int> out;
   for (int i = 0; i < model.nu(); ++i) {
-    if (model.drives[i].motion) out.push_back(i);
+    if (model.drives[i].motion && model.drives[i].acts) out.push_back(i);
   }
   return out;
 }
