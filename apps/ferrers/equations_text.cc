@@ -96,7 +96,9 @@ std::string decision_text(const EquationsReport& report, const Style& style) {
     text += list("rows kept", chosen(report.row_names, s.rows));
     text += list("rows excluded", chosen(report.row_names, report.excluded_rows));
   }
-  for (const std::string& notice : report.notices) text += line("note", notice);
+  for (const std::string& notice : report.notices) {
+    text += wrapped_text("  note           ", notice, std::string(17, ' '));
+  }
   return text;
 }
 

@@ -1,5 +1,7 @@
 #include "ferrers/dynamics/equations_report.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
@@ -226,6 +228,18 @@ VectorXd multipliers_of(const Equations& eq, const Selection& s, const VectorXd&
   return lambda;
 }
 
+// Rows left out follow from the others only as long as the redundancy lasts.
+void judge_residuals(EquationsReport& report) {
+  constexpr double kHolds = 1e-6;  // relative; not a rank decision: when to point the reader to a residual
+  for (const EquationResidual& one : report.residuals) {
+    if (one.relative() <= kHolds) continue;
+    report.notices.push_back(fmt::format(
+        "({}) does not hold at '{}': it is off by {:.3g} {}. Where that is a row left out, the rank is that of this "
+        "pose only, and no motion goes on from it",
+        one.equation, one.at, one.largest, one.unit));
+  }
+}
+
 }  // namespace
 
 std::vector<ReactionStatus> judge_multipliers(const DynamicsModel& model, const Equations& eq,
@@ -292,9 +306,11 @@ EquationsReport analyze_equations(const std::shared_ptr<const DynamicsModel>& mo
   if (!report.solved()) {
     report.vdot = report.lambda_of_kept_rows = VectorXd();
     report.residuals = measure_residuals(*model, eq, report.state.v, {}, {}, {});
+    judge_residuals(report);
     return report;
   }
   report.residuals = measure_residuals(*model, eq, report.state.v, report.vdot, report.lambda_of_kept_rows, report.u);
+  judge_residuals(report);
   return report;
 }
 

@@ -82,7 +82,7 @@ struct EquationsReport {
   std::vector<bool> effort_is_found;   ///< nu: not by a law, but as the motion needs it.
   std::vector<bool> effort_is_shared;  ///< nu: not unique, the share of the least weighted effort (dynamics/inverse.h).
   std::vector<EquationResidual> residuals;  ///< (6) and (7), with a solution (8) and (9) as well.
-  std::vector<std::string> notices;         ///< A rank in doubt, and what else a reader must know.
+  std::vector<std::string> notices;         ///< A rank in doubt, and equations that do not hold.
 
   bool solved() const { return status == EquationsStatus::kSolved; }
 };

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ferrers/dynamics/paper_steps.h"
 #include "ferrers/testing/engine_probe.h"
 #include "ferrers/testing/random_mechanism.h"
 #include "ferrers/testing/zoo.h"
@@ -192,6 +193,25 @@ TEST(EquationsReportTest, ResidualsTellHowFarAndWhereTheEquationsFail) {
   EXPECT_EQ(gap.at, report.row_names[report.excluded_rows[0]]);
   EXPECT_GE(gap.largest, 0.25);
   EXPECT_DOUBLE_EQ(gap.size, length);
+}
+
+// The legs' lines have rank for one motion at this pose, but no motion follows: accelerations cannot close all rows.
+TEST(EquationsReportTest, ARankOfThisPoseOnlyShowsInTheRowsLeftOut) {
+  EngineProbe probe(make_unequal_legs());
+  State state = probe.start();
+  EXPECT_TRUE(analyze_equations(probe.dynamics, state).notices.empty());
+  probe.evaluate(state);
+  for (const int i : probe.selection.independent) state.v[i] = 1;
+  solve_dependent_velocities(*probe.dynamics, probe.selection, state);
+  const EquationsReport report = analyze_equations(probe.dynamics, state);
+  ASSERT_EQ(report.residuals.size(), 4u);
+  EXPECT_LT(report.residuals[1].relative(), 1e-12);
+  EXPECT_GT(report.residuals[2].relative(), 1e-2);
+  const auto names = report.excluded_rows;
+  EXPECT_TRUE(std::any_of(names.begin(), names.end(),
+                          [&](int row) { return report.row_names[row] == report.residuals[2].at; }));
+  ASSERT_EQ(report.notices.size(), 1u);
+  EXPECT_THAT(report.notices[0], HasSubstr("(8) does not hold at"));
 }
 
 TEST(EquationsReportTest, WithoutAMotionTheInverseProblemSaysWhatMoves) {
