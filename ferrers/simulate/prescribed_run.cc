@@ -152,7 +152,9 @@ class PrescribedRun {
       if (!drive.motion && drive.effort_is_sought()) helpers.push_back(drive.name);
       if (shared_[i]) sharing.push_back(drive.name);
     }
-    if (!helpers.empty()) {
+    const bool all_act = std::all_of(model_->drives.begin(), model_->drives.end(),
+                                     [](const DriveComponent& drive) { return drive.acts; });
+    if (!helpers.empty() && all_act) {  // else they are what brings the prescribed motions about
       summary_.notices.push_back("without a motion or an effort of their own, these drives help: " + quoted(helpers));
     }
     if (!sharing.empty()) {
