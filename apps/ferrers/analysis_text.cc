@@ -102,7 +102,9 @@ std::string stress_text(const RedundancyReport& report, int k) {
 constexpr int kMostStresses = 10, kMostJoints = 40, kMostReleases = 5;
 
 std::string sharing_text(const RedundancyReport& report, const Style& style) {
-  std::string text = heading(2, "Which joints share them?", style);
+  std::string text = heading(
+      2, report.joints > 0 || report.coordinates == 0 ? "Which joints share them?" : "Which constraints share them?",
+      style);
   if (report.redundant == 0) return text + "   None: no constraint is redundant.\n";
   std::vector<std::string> sharing, clean;
   for (const ReactionUniqueness& one : report.reactions) {
@@ -115,9 +117,10 @@ std::string sharing_text(const RedundancyReport& report, const Style& style) {
     names.push_back(fmt::format("and {} more", count - kMostJoints));
     return names;
   };
-  text += wrapped_list(
-      fmt::format("   {} of {}:", sharing.size(), counted(static_cast<long>(sharing.size() + clean.size()), report.joints > 0 ? "joint" : "constraint")),
-      some(sharing), "      ");
+  text += wrapped_list(fmt::format("   {} of {}:", sharing.size(),
+                                   counted(static_cast<long>(sharing.size() + clean.size()),
+                                           report.joints > 0 ? "joint" : "constraint")),
+                       some(sharing), "      ");
   text += clean.empty() ? "   No joint is clean of them.\n" : wrapped_list("   Clean:", some(clean), "      ");
   text +=
       fmt::format("   {} can be held against each other with no load outside:\n",
@@ -264,6 +267,13 @@ std::string reactions_text(const Model& model, const MechanismAnalysis& analysis
   text += table(rows, "   ", style);
   if (left_out > 0) text += style.dim(fmt::format("   and {} more (--json lists all)\n", left_out));
   text += resultants_text(analysis.resultants);
+  if (report.joints == 0) {
+    return text +
+           style.dim(
+               "   A constraint's reaction is its multiplier. The others are not told apart by the constraints\n"
+               "   alone: no value is given for them. Leave dependent ones out, or make them elastic: put their\n"
+               "   stiffness into the potential energy.\n");
+  }
   text += style.dim("   Components are along the joint's own axes; 'exact' counts dimensions whatever the axes.\n");
   const bool has_springs = std::any_of(model.joints().begin(), model.joints().end(),
                                        [](const Joint& joint) { return joint.stiffness.has_value(); });
@@ -291,8 +301,15 @@ std::string release_line(const Release& release) {
 
 std::string releases_text(const RedundancyReport& report, const std::optional<ReleaseReport>& releases,
                           const Style& style) {
-  std::string text = heading(5, "Which joint changes remove the redundancy?", style);
-  if (report.redundant == 0) return text + "   None are needed.\n";
+  const bool has_joints = report.joints > 0 || report.coordinates == 0;
+  std::string text = heading(5, has_joints ? "Which joint changes remove the redundancy?" : "What removes it?", style);
+  if (report.redundant == 0) return text + (has_joints ? "   None are needed.\n" : "   Nothing is redundant.\n");
+  if (!has_joints) {
+    return text + wrapped_text("   ",
+                               fmt::format("Leaving out {}, as one choice of several; motion and forces stay.",
+                                           fmt::join(report.excluded_row_names, ", ")),
+                               "   ");
+  }
   if (!releases) return text + "   Not analysed.\n";
   if (releases->releases.empty() && releases->note.empty()) text += "   No joint change was found.\n";
   if (std::string note = releases->note; !note.empty()) {

@@ -289,8 +289,8 @@ ModelSpec scaled(const ModelSpec& spec, double s) {
     for (auto& [name, point] : joint.place.on_body) multiply(point, s);
   }
   for (CouplingSpec& coupling : out.couplings) {
-    for (std::size_t i = 0; i < coupling.scalars.size(); ++i) {
-      const CoordinateRef& c = coupling.scalars[i].coordinate;
+    for (std::size_t i = 0; i < coupling.coordinates.size(); ++i) {
+      const CoordinateRef& c = coupling.coordinates[i];
       if (is_length(out, c.joint, c.coordinate)) multiply(coupling.coefficients[i], 1 / s);
     }
   }
