@@ -9,13 +9,12 @@
 #include "ferrers/io/model_reader.h"
 #include "ferrers/model/lagrangian_template.h"
 #include "ferrers/testing/allocation_guard.h"
-#include "ferrers/testing/andrews_by_hand.h"
+#include "ferrers/testing/andrews_formulas.h"
 #include "ferrers/testing/run_probe.h"
 
 namespace ferrers {
 namespace {
 
-using witness::AndrewsByHand;
 using witness::EngineProbe;
 
 ModelSpec example(const std::string& name) {
@@ -27,22 +26,34 @@ ModelSpec example(const std::string& name) {
 class HandWrittenAndrews final : public LagrangianSystem {
  public:
   void compute_constraints(EquationsOfMotion& eq) const override {
-    AndrewsByHand by_hand;
-    by_hand.compute(eq.q.data(), eq.v.data());
-    eq.phi = by_hand.phi;
-    eq.G = by_hand.G;
-    eq.gamma = by_hand.gamma;
+    const Numbers numbers = compute(eq);
+    for (int i = 0; i < 6; ++i) {
+      eq.phi[i] = numbers[35 + i];
+      for (int j = 0; j < 7; ++j) eq.G(i, j) = numbers[41 + 7 * i + j];
+      eq.gamma[i] = numbers[83 + i];
+    }
   }
   void compute_inertia(EquationsOfMotion& eq) const override {
-    AndrewsByHand by_hand;
-    by_hand.compute(eq.q.data(), eq.v.data());
-    eq.M = by_hand.M;
-    eq.h = -by_hand.force;
+    const Numbers numbers = compute(eq);
+    int next = 0;
+    for (int i = 0; i < 7; ++i) {
+      for (int j = i; j < 7; ++j) eq.M(i, j) = eq.M(j, i) = numbers[next++];
+    }
+    for (int i = 0; i < 7; ++i) eq.h[i] = -numbers[28 + i];
   }
-  Eigen::Vector2d compute_energy(const EquationsOfMotion& eq) const override {
-    AndrewsByHand by_hand;
-    by_hand.compute(eq.q.data(), eq.v.data());
-    return {0.5 * eq.v.dot(by_hand.M * eq.v), 0};
+  Eigen::Vector2d compute_energy(const EquationsOfMotion&) const override { return {0, 0}; }
+
+ private:
+  using Numbers = std::array<double, witness::kAndrewsOutputs>;
+  static Numbers compute(const EquationsOfMotion& eq) {
+    std::array<double, 14> inputs;
+    for (int i = 0; i < 7; ++i) {
+      inputs[i] = eq.q[i];
+      inputs[7 + i] = eq.v[i];
+    }
+    Numbers numbers;
+    witness::compute_andrews_by_hand(inputs.data(), numbers.data());
+    return numbers;
   }
 };
 
