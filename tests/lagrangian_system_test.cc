@@ -85,7 +85,8 @@ ModelSpec with_functions(ModelSpec spec, std::shared_ptr<const LagrangianSystem>
   LagrangianSpec& lagrangian = spec.lagrangian;
   lagrangian.kinetic_energy = lagrangian.potential_energy = std::nullopt;
   lagrangian.mass_matrix.clear();
-  for (const ConstraintSpec& constraint : spec.constraints) lagrangian.function_constraints.push_back({constraint.name});
+  for (const ConstraintSpec& constraint : spec.constraints)
+    lagrangian.function_constraints.push_back({constraint.name});
   spec.constraints.clear();
   lagrangian.system = std::move(system);
   return spec;

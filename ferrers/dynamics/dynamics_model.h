@@ -84,7 +84,7 @@ struct DriveComponent {
   bool acts = true;         ///< False: its motion is prescribed, but no effort of it is sought (`motions`).
   std::optional<Law> motion;
   std::optional<BoundLaw> effort;
-  double weight = 1;    ///< Of its effort where drives share a load.
+  double weight = 1;     ///< Of its effort where drives share a load.
   bool rotary = false;   ///< Its effort is a torque, N·m.
   bool has_unit = true;  ///< False: by a formula, or on a coordinate that is neither an angle nor a length.
   /// Whether inverse dynamics finds its effort: a motion is prescribed, or it has no law at all and helps.

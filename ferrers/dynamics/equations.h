@@ -30,9 +30,9 @@ struct Equations {
   VectorXd force;     ///< tau + B u − h.
 
   // Work space.
-  FormulaEvaluation lagrangian;   ///< Scalars of the energies at this state, and what was evaluated last.
-  RowMatrixXd lagrangian_rows;    ///< Rows of those that are no entries of v.
-  FormulaEvaluation drive_work;   ///< For drives by formulas.
+  FormulaEvaluation lagrangian;  ///< Scalars of the energies at this state, and what was evaluated last.
+  RowMatrixXd lagrangian_rows;   ///< Rows of those that are no entries of v.
+  FormulaEvaluation drive_work;  ///< For drives by formulas.
   struct Composite {
     double mass = 0;
     Vector3d first_moment;        ///< Σ m ρ about the node's origin.

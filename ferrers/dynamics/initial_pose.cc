@@ -66,7 +66,8 @@ ModelSpec with_initial_pose(ModelSpec spec, const System& system, const State& s
     if (!id.valid() || after->nodes[i].nq == 0) continue;
     const Joint& joint = after->model->joint(id);
     if (id.index() < given || after->model->is_coordinate(id.index())) {
-      const JointMotion motion = measure_joint(system, *system.model->find_joint(joint.name), at_rest, still, pos, rest);
+      const JointMotion motion =
+          measure_joint(system, *system.model->find_joint(joint.name), at_rest, still, pos, rest);
       spec.initial.push_back(initial_guess(joint.name, motion.q, after->nodes[i].nq));
       continue;
     }

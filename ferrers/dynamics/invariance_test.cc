@@ -185,7 +185,7 @@ class Comparison {
     size_ = largest_of(wanted, before_.model(), before_.scaling.length_m);
     EXPECT_EQ(got.outcome.used, wanted.outcome.used);
     EXPECT_EQ(got.outcome.contradictory, wanted.outcome.contradictory);
-    for (std::size_t j = 0; j < wanted.world.size(); ++j) {
+    for (std::size_t j = 0; j < before_.model().coordinates_begin(); ++j) {
       const Joint& joint = before_.model().joints()[j];
       const std::size_t there = after_.model().find_joint(joint.name)->index();
       SCOPED_TRACE(joint.name);

@@ -37,8 +37,7 @@ std::vector<NamedCoordinate> measure_positions(const System& system, const State
   std::vector<NamedCoordinate> all;
   for_joints(system, state, [&](const Joint& joint, const JointTypeInfo& type, const JointMotion& motion) {
     for (int i = 0; i < type.nq; ++i) {
-      NamedCoordinate one{coordinate_label(joint, type.position_names[i]), NamedCoordinate::Unit::kNone,
-                          motion.q[i]};
+      NamedCoordinate one{coordinate_label(joint, type.position_names[i]), NamedCoordinate::Unit::kNone, motion.q[i]};
       if (type.quaternion_at < 0) {
         one.unit = unit_of(type.coordinates[i].kind);
       } else if (i < type.quaternion_at) {

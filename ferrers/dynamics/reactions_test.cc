@@ -109,12 +109,15 @@ TEST(ReactionsTest, DriveAndSpringEffortsAreNotReactions) {
   expect_reaction(engine.reactions(state, result)[0], {0, 9.81 + 10, 0, 0, 0, 0}, 1e-13);
 }
 
-/// The reactions at a state by the options given.
+/// The joints' reactions at a state by the options given.
 std::vector<JointReaction> solve(EngineProbe& engine, const State& state, const DistributionOptions& options,
                                  DistributionOutcome* outcome = nullptr, ReactionAxes axes = ReactionAxes::kWorld) {
   const ForwardResult result = engine.forward(state);
-  return ReactionSolver(engine.dynamics, options)
-      .solve(state, engine.eq, engine.selection, result.vdot, result.lambda, engine.eq.u, axes, outcome);
+  std::vector<JointReaction> all =
+      ReactionSolver(engine.dynamics, options)
+          .solve(state, engine.eq, engine.selection, result.vdot, result.lambda, engine.eq.u, axes, outcome);
+  all.resize(engine.model().coordinates_begin());  // without multipliers of couplings
+  return all;
 }
 
 constexpr double kRadial = 2e6, kAxial = 1e6, kBend = 4e4;

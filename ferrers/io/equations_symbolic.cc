@@ -13,9 +13,9 @@ constexpr std::size_t kLongest = 4000;  // bytes of LaTeX of one formula: more i
 constexpr std::size_t kMostCoordinates = 12;
 
 constexpr std::array<std::string_view, 34> kGreek = {
-    "alpha", "beta",   "gamma", "delta", "epsilon", "zeta",  "eta",   "theta", "iota",  "kappa", "lambda", "mu",
-    "nu",    "xi",     "pi",    "rho",   "sigma",   "tau",   "upsilon", "phi", "chi",   "psi",   "omega",  "Gamma",
-    "Delta", "Theta",  "Lambda", "Xi",   "Pi",      "Sigma", "Upsilon", "Phi", "Psi",   "Omega"};
+    "alpha", "beta",  "gamma",  "delta", "epsilon", "zeta",  "eta",     "theta", "iota", "kappa", "lambda", "mu",
+    "nu",    "xi",    "pi",     "rho",   "sigma",   "tau",   "upsilon", "phi",   "chi",  "psi",   "omega",  "Gamma",
+    "Delta", "Theta", "Lambda", "Xi",    "Pi",      "Sigma", "Upsilon", "Phi",   "Psi",  "Omega"};
 
 // theta_1 is θ₁, x2 is x₂, longer words stand upright.
 std::string word_latex(std::string_view word) {
@@ -23,8 +23,8 @@ std::string word_latex(std::string_view word) {
   std::string_view head = word.substr(0, split), tail = split == std::string_view::npos ? "" : word.substr(split);
   while (!tail.empty() && tail.front() == '_') tail.remove_prefix(1);
   std::string out = std::find(kGreek.begin(), kGreek.end(), head) != kGreek.end() ? "\\" + std::string(head)
-                    : head.size() <= 1                                           ? std::string(head)
-                                                                                 : fmt::format("\\mathrm{{{}}}", head);
+                    : head.size() <= 1                                            ? std::string(head)
+                                                                                  : fmt::format("\\mathrm{{{}}}", head);
   if (tail.empty()) return out;
   std::string below;
   for (const char c : tail) below += c == '_' ? std::string(",") : std::string(1, c);
@@ -55,9 +55,7 @@ class Lines {
     if (right.size() > kLongest) right = "\\text{(too long to print)}";
     text_ += fmt::format("{}{} &= {}", text_.empty() ? "" : " \\\\\n", left, right);
   }
-  std::string block() const {
-    return text_.empty() ? "" : "\\begin{align*}\n" + text_ + "\n\\end{align*}\n";
-  }
+  std::string block() const { return text_.empty() ? "" : "\\begin{align*}\n" + text_ + "\n\\end{align*}\n"; }
 
  private:
   std::string text_;

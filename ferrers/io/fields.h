@@ -43,11 +43,11 @@ enum class ValueKind {
   kFormulaMatrix,       ///< Rows of expressions or numbers.
   kCoordinateFormulas,  ///< A map from coordinates to expressions or numbers.
   kCoordinateLaws,      ///< A map from coordinates to laws of time.
-  kLaw,           ///< A number, '= expression' of time, or {file: law.csv, column: 2}.
-  kLaw3,          ///< Three of these.
-  kObject,        ///< One object of `family`.
-  kNamedObjects,  ///< A map from names to objects of `family`.
-  kNamedLists,    ///< A map from names to an object of `family` or a list of such.
+  kLaw,                 ///< A number, '= expression' of time, or {file: law.csv, column: 2}.
+  kLaw3,                ///< Three of these.
+  kObject,              ///< One object of `family`.
+  kNamedObjects,        ///< A map from names to objects of `family`.
+  kNamedLists,          ///< A map from names to an object of `family` or a list of such.
 };
 
 /// What a number measures. Some depend on the joint coordinate that the object speaks of.

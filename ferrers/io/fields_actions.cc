@@ -112,17 +112,18 @@ ObjectFamily record_family() {
 ObjectFamily drive_family() {
   const std::string motion = "Given motion, for inverse dynamics, kinematics and driven simulation";
   const std::string effort = "Given effort, for simulation; positive drives the second body forward";
-  ObjectFamily family{
-      Family::kDrive,
-      "drive",
-      "a drive",
-      {},
-      false,
-      {},
-      "On a joint coordinate or generalized coordinate (`joint`), on the distance of two points (`bodies`), on a recorded "
-      "point (`point`), on a `quantity` by a formula, or by its `map` d_j. Either law may be absent: without a motion a drive acts by its effort, and without both it helps the "
-      "others in inverse dynamics and rests in simulation.",
-      {}};
+  ObjectFamily family{Family::kDrive,
+                      "drive",
+                      "a drive",
+                      {},
+                      false,
+                      {},
+                      "On a joint coordinate or generalized coordinate (`joint`), on the distance of two points "
+                      "(`bodies`), on a recorded "
+                      "point (`point`), on a `quantity` by a formula, or by its `map` d_j. Either law may be absent: "
+                      "without a motion a drive acts by its effort, and without both it helps the "
+                      "others in inverse dynamics and rests in simulation.",
+                      {}};
   family.types = {
       {"joint",
        "a drive on a joint",

@@ -33,7 +33,8 @@ ObjectFamily model_family() {
                   "without an effort law bring them about"),
         object_field("initial", K::kNamedLists, Family::kInitial,
                      "By joint: where it starts and how fast; a list of maps for several of its coordinates"),
-        object_field("record", K::kNamedObjects, Family::kRecord, "Points and formulas that are written with the results"),
+        object_field("record", K::kNamedObjects, Family::kRecord,
+                     "Points and formulas that are written with the results"),
         object_field("events", K::kNamedObjects, Family::kEvent, "What happens when a formula passes through zero")}});
   return family;
 }

@@ -119,16 +119,17 @@ ObjectFamily single(Family id, std::string_view name, std::string_view title, st
 }
 
 ObjectFamily constraint_family() {
-  ObjectFamily family{Family::kConstraint,
-                      "constraint",
-                      "a constraint",
-                      {},
-                      false,
-                      "position",
-                      "A formula that is zero. It reads joint coordinates (`main.position`, `ball_screw.angle`), "
-                      "generalized coordinates (`theta`), recorded points in world axes (`P.x`), parameters and `t`. It "
-                      "is one row among the others, named after itself, in every verdict on redundancy.",
-                      {}};
+  ObjectFamily family{
+      Family::kConstraint,
+      "constraint",
+      "a constraint",
+      {},
+      false,
+      "position",
+      "A formula that is zero. It reads joint coordinates (`main.position`, `ball_screw.angle`), "
+      "generalized coordinates (`theta`), recorded points in world axes (`P.x`), parameters and `t`. It "
+      "is one row among the others, named after itself, in every verdict on redundancy.",
+      {}};
   family.types = {
       {"position",
        "a constraint on positions",

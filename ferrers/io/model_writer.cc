@@ -265,7 +265,11 @@ std::string text_of(const ConstraintSpec& constraint) {
 
 std::string text_of(const GeneralCoordinateSpec& coordinate) {
   const std::string unit = coordinate.dimension == kPureNumber ? "1" : to_string(coordinate.dimension);
-  return FlowMap().add("unit", quoted(unit)).add_if("guess", coordinate.guess).add_if("limits", coordinate.limits).text();
+  return FlowMap()
+      .add("unit", quoted(unit))
+      .add_if("guess", coordinate.guess)
+      .add_if("limits", coordinate.limits)
+      .text();
 }
 
 std::string text_of(const DriveSpec& drive) {

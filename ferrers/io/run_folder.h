@@ -29,8 +29,9 @@ class RunFolder {
   RunFolder(const RunFolder&) = delete;
   RunFolder& operator=(const RunFolder&) = delete;
 
-  /// Makes the folder and starts both files; removes the files of an earlier run there. `reactions` without names: none are written;
-  /// `with_ranges`: `reactions.csv` gets columns `low` and `high`. Returns what went wrong, or an empty text.
+  /// Makes the folder and starts both files; removes the files of an earlier run there. `reactions` without names: none
+  /// are written; `with_ranges`: `reactions.csv` gets columns `low` and `high`. Returns what went wrong, or an empty
+  /// text.
   std::string open(const std::filesystem::path& folder, const std::vector<std::string>& columns,
                    const ReactionNames& reactions, bool with_ranges = false);
   void add(const RunSample& sample);

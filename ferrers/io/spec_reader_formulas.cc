@@ -29,7 +29,8 @@ void SpecReader::read_general_coordinate(const DocumentNode& node, const NameRef
         values_.error("F407", object.place("unit"), fmt::format("'{}' is no unit", *text),
                       "rad, m, 1, or units joined by '*' and '/'");
       } else if (unit->si != 1) {
-        values_.error("F407", object.place("unit"), fmt::format("the unit of a coordinate is SI, and '{}' is not", *text),
+        values_.error("F407", object.place("unit"),
+                      fmt::format("the unit of a coordinate is SI, and '{}' is not", *text),
                       "values are in SI in all formulas; a number may carry any unit");
       } else {
         coordinate.dimension = unit->dimension;

@@ -427,7 +427,8 @@ std::vector<std::vector<Expression>> ValueReader::formula_matrix(const DocumentN
   for (const DocumentNode& row : node.items) {
     if (!is_list(row, label, 0, "formulas")) return {};
     std::vector<Expression>& entries = rows.emplace_back();
-    for (const DocumentNode& entry : row.items) entries.push_back(formula_or_number(entry, label).value_or(Expression()));
+    for (const DocumentNode& entry : row.items)
+      entries.push_back(formula_or_number(entry, label).value_or(Expression()));
   }
   return rows;
 }

@@ -19,11 +19,11 @@ struct FormulaEvaluation {
 /// nu is 0 but for relations that know the time; rows of prescribed motions may follow the system's own
 /// (dynamics/equations.h). Rows are named (`System::row_names`).
 struct ConstraintKinematics {
-  VectorXd phi;    ///< m: residual, m or rad.
-  RowMatrixXd G;   ///< m × nv: exact Jacobian, also off the manifold.
-  VectorXd gamma;  ///< m.
-  VectorXd rate;   ///< m: G v.
-  VectorXd nu;     ///< m.
+  VectorXd phi;                             ///< m: residual, m or rad.
+  RowMatrixXd G;                            ///< m × nv: exact Jacobian, also off the manifold.
+  VectorXd gamma;                           ///< m.
+  VectorXd rate;                            ///< m: G v.
+  VectorXd nu;                              ///< m.
   std::vector<FormulaEvaluation> formulas;  ///< Work space, per block of relations.
 };
 

@@ -29,8 +29,7 @@ class BlockMaker {
     outputs_.push_back(relation.bias);
     outputs_.insert(outputs_.end(), relation.gradient.begin(), relation.gradient.end());
     for (std::size_t k = 0; k < coupling.scalars.size(); ++k) {
-      row.scalars.push_back(
-          place_of(coupling.scalars[k], target.scalars[k], relation.values[k], relation.rates[k]));
+      row.scalars.push_back(place_of(coupling.scalars[k], target.scalars[k], relation.values[k], relation.rates[k]));
       row.in_tree = row.in_tree && target.scalars[k].in_tree;
     }
     target.block = static_cast<int>(system_.formulas.size());

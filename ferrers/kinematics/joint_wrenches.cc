@@ -38,8 +38,7 @@ AllRows make_all_rows(const System& system, const Scaling& scaling) {
   return rows;
 }
 
-JointWrenches compute_joint_frame_wrenches(const System& system, const State& state,
-                                                             const PositionKinematics& pos) {
+JointWrenches compute_joint_frame_wrenches(const System& system, const State& state, const PositionKinematics& pos) {
   const VelocityKinematics rest = make_velocity_kinematics(system);
   JointWrenches out;
   out.joints.resize(system.model->joints().size());
@@ -109,8 +108,8 @@ void add_pair(const PositionKinematics& pos, const FramePair& frames, const Vect
 }
 
 // Multipliers of couplings act as efforts along the coordinates they join.
-void add_coupling_efforts(const System& system, const PositionKinematics& pos,
-                          const JointWrenches& joints, Loads& loads) {
+void add_coupling_efforts(const System& system, const PositionKinematics& pos, const JointWrenches& joints,
+                          Loads& loads) {
   for (std::size_t c = 0; c < system.couplings.size(); ++c) {
     const CouplingRow& row = system.couplings[c];
     const Coupling& coupling = system.model->couplings()[c];
@@ -152,8 +151,7 @@ MatrixXd constraint_part(const JointFrameWrenches& joint, const Wrenches& w, dou
 }
 
 MatrixXd distribute_to_joints(const System& system, const AllRows& rows, const Scaling& scaling,
-                              const PositionKinematics& pos, const JointWrenches& joints,
-                              Loads loads) {
+                              const PositionKinematics& pos, const JointWrenches& joints, Loads loads) {
   MatrixXd all = MatrixXd::Zero(rows.size(), loads.lambda.cols());
   add_coupling_efforts(system, pos, joints, loads);
   for (int r = 0; r < rows.size(); ++r) {

@@ -98,7 +98,8 @@ Scaling make_scaling(const System& system) {
     double largest = 0;
     for (std::size_t i = 0; i < coefficients[c].size(); ++i) {
       const StateScalar& scalar = system.model->couplings()[c].scalars[i];
-      largest = std::max(largest, std::abs(coefficients[c][i]) / (is_angular(*system.model, scalar) ? s.length_m : 1.0));
+      largest =
+          std::max(largest, std::abs(coefficients[c][i]) / (is_angular(*system.model, scalar) ? s.length_m : 1.0));
     }
     if (largest > 0 && std::isfinite(largest)) s.rows[system.couplings[c].row] = 1 / largest;
   }

@@ -88,9 +88,9 @@ std::optional<StateFormula> ModelAssembler::state_formula(const Expression& expr
     usable = usable && input.has_value();
     if (!input) continue;
     const bool is_time = input->kind == LawInput::Kind::kTime;
-    const std::string canonical = is_time                                      ? "t"
+    const std::string canonical = is_time                                    ? "t"
                                   : input->kind == LawInput::Kind::kPosition ? model_.scalar_name(input->scalar)
-                                                                               : model_.rate_name(input->scalar);
+                                                                             : model_.rate_name(input->scalar);
     spelling.emplace_back(name.name, canonical);
     if (std::find(out.inputs.begin(), out.inputs.end(), *input) != out.inputs.end()) continue;
     out.names.push_back(canonical);
@@ -128,10 +128,10 @@ void ModelAssembler::build_constraints() {
                          fmt::format("the constraint '{}' reads no coordinate", spec.name.name),
                          "a constraint is a formula of coordinates or points that is zero");
     } else if (formula && !spec.on_velocities && reads_rates(*formula)) {
-      diagnostics_.error("F336", place_or(spec.formula.at(), spec.name),
-                         fmt::format("the constraint '{}' on positions reads velocities", spec.name.name),
-                         fmt::format("a constraint that is linear in velocities is written {}: {{velocity: = ...}}",
-                                     spec.name.name));
+      diagnostics_.error(
+          "F336", place_or(spec.formula.at(), spec.name),
+          fmt::format("the constraint '{}' on positions reads velocities", spec.name.name),
+          fmt::format("a constraint that is linear in velocities is written {}: {{velocity: = ...}}", spec.name.name));
     } else if (formula && !spec.on_velocities) {
       Relation relation = make_relation(formula->expression, scalars);
       relation.symbolic = formula->symbolic;
@@ -168,8 +168,8 @@ int index_of(const StateScalar& scalar, const Model& model, FormulaScalars& all)
 
 /// ½ vᵀ M v of a matrix given entry by entry.
 std::optional<Expression> ModelAssembler::energy_of_mass_matrix() {
-  static const NameRef kSection("lagrangian");
   const LagrangianSpec& spec = spec_->lagrangian;
+  const NameRef section("lagrangian", spec.at);
   const std::size_t n = spec.coordinates.size();
   const bool square = spec.mass_matrix.size() == n && std::all_of(spec.mass_matrix.begin(), spec.mass_matrix.end(),
                                                                   [n](const auto& row) { return row.size() == n; });
@@ -183,7 +183,7 @@ std::optional<Expression> ModelAssembler::energy_of_mass_matrix() {
     for (std::size_t j = 0; j < n; ++j) {
       const Expression& entry = spec.mass_matrix[i][j];
       if (entry.to_string() != spec.mass_matrix[j][i].to_string()) {
-        diagnostics_.error("F337", place_or(entry.at(), kSection),
+        diagnostics_.error("F337", place_or(entry.at(), section),
                            fmt::format("'mass_matrix' is not symmetric at row {}, column {}", i + 1, j + 1),
                            "write both entries in the same way");
         return std::nullopt;
@@ -227,26 +227,27 @@ void ModelAssembler::build_function_system() {
     relation.system = spec.system;
     relation.index = static_cast<int>(i);
     relation.knows_time = spec.system->knows_time();
-    model_.couplings_.push_back({spec.function_constraints[i].name.name, lagrangian.scalars, {},
+    model_.couplings_.push_back({spec.function_constraints[i].name.name,
+                                 lagrangian.scalars,
+                                 {},
                                  std::make_shared<const Relation>(std::move(relation))});
   }
 }
 
 void ModelAssembler::build_lagrangian() {
-  static const NameRef kSection("lagrangian");
   const LagrangianSpec& spec = spec_->lagrangian;
+  const NameRef section("lagrangian", spec.at);
   if (spec.system) return build_function_system();
   FormulaScalars scalars;
   bool usable = true;
   const auto energy = [&](const std::optional<Expression>& given, std::string_view key, Dimension wanted,
                           Expression& symbolic) {
     if (!given) return Expression();
-    const std::optional<StateFormula> formula =
-        state_formula(*given, LawScope::kOfState, wanted, Field{key, kSection});
+    const std::optional<StateFormula> formula = state_formula(*given, LawScope::kOfState, wanted, Field{key, section});
     usable = usable && formula.has_value();
     if (!formula) return Expression();
     if (key == "potential_energy" && reads_rates(*formula)) {
-      diagnostics_.error("F337", place_or(given->at(), kSection), "'potential_energy' reads velocities",
+      diagnostics_.error("F337", place_or(given->at(), section), "'potential_energy' reads velocities",
                          "what depends on velocities belongs to 'kinetic_energy', 'dissipation' or 'forces'");
       usable = false;
     }
@@ -270,8 +271,8 @@ void ModelAssembler::build_lagrangian() {
   for (const auto& [ref, formula] : spec.forces) {
     const Field field{"forces", ref.joint};
     const std::optional<JointCoordinate> along = find_coordinate(ref, field);
-    const std::optional<StateFormula> force =
-        state_formula(formula, LawScope::kOfState, along ? std::optional(effort_dimension(*along)) : std::nullopt, field);
+    const std::optional<StateFormula> force = state_formula(
+        formula, LawScope::kOfState, along ? std::optional(effort_dimension(*along)) : std::nullopt, field);
     usable = usable && along && force;
     if (!along || !force) continue;
     collect(*force, model_, scalars);
@@ -323,10 +324,10 @@ bool ModelAssembler::place_drive_by_formula(const DriveSpec& spec, Drive& drive)
     for (auto& [k, entry] : entries) gradient[static_cast<std::size_t>(k)] = std::move(entry);
     drive.relation = std::make_shared<const Relation>(make_map(std::move(gradient), scalars));
     if (!spec.motion.empty()) {
-      diagnostics_.error("F329", place_or(spec.motion.front().at, spec.name),
-                         fmt::format("the drive '{}' is given by its map, so no position of it can be prescribed",
-                                     spec.name.name),
-                         "prescribe a coordinate under 'motions', or give the drive a 'quantity'");
+      diagnostics_.error(
+          "F329", place_or(spec.motion.front().at, spec.name),
+          fmt::format("the drive '{}' is given by its map, so no position of it can be prescribed", spec.name.name),
+          "prescribe a coordinate under 'motions', or give the drive a 'quantity'");
       return false;
     }
   }

@@ -191,7 +191,7 @@ class ModelAssembler {
   std::vector<bool> has_mass_centre_;  ///< Per body.
   std::vector<bool> joint_is_placed_;  ///< Per joint: its bodies and frames are known.
   std::vector<InitialValue> coordinate_guesses_;
-  std::vector<int> welded_to_;         ///< Per body: representative of the bodies it is welded to (0: ground).
+  std::vector<int> welded_to_;  ///< Per body: representative of the bodies it is welded to (0: ground).
 };
 
 /// The place to report: the number's own, else its owner's.

@@ -24,7 +24,8 @@ std::string readable_words(const JointTypeInfo& info) {
   }
   for (const CoordinateInfo& coordinate : info.coordinates) {
     if (coordinate.name != "position") add(coordinate.name);
-    if (coordinate.is_scalar() && coordinate.name != "position") add(std::string(coordinate.name) + std::string(kVelocitySuffix));
+    if (coordinate.is_scalar() && coordinate.name != "position")
+      add(std::string(coordinate.name) + std::string(kVelocitySuffix));
   }
   return words;
 }

@@ -18,8 +18,8 @@ namespace ferrers {
 /// Everything is zero before a function is called. SI units.
 struct EquationsOfMotion {
   using Vector = Eigen::Ref<Eigen::VectorXd, 0, Eigen::InnerStride<>>;
-  using Rows = Eigen::Ref<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>, 0,
-                          Eigen::OuterStride<>>;
+  using Rows =
+      Eigen::Ref<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>, 0, Eigen::OuterStride<>>;
   using Given = Eigen::Ref<const Eigen::VectorXd>;
   double t = 0;
   Given q, v;        ///< n each.

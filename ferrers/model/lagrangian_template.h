@@ -60,8 +60,8 @@ class LagrangianByDuals final : public LagrangianSystem {
       for (int j = 0; j < kN; ++j) x.q[j].c = 0;
       x.v[i].b = 0;
       x.q[i].b = 1;
-      eq.h[i] += system_.template potential_energy<HyperDual>(x.q).b -
-                 system_.template kinetic_energy<HyperDual>(x.q, x.v).b;
+      eq.h[i] +=
+          system_.template potential_energy<HyperDual>(x.q).b - system_.template kinetic_energy<HyperDual>(x.q, x.v).b;
       x.q[i].b = 0;
     }
   }

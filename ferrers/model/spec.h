@@ -187,8 +187,8 @@ struct LagrangianSpec {
   };
   std::vector<GeneralCoordinateSpec> coordinates;
   std::optional<Expression> kinetic_energy, potential_energy;
-  std::optional<Expression> dissipation;             ///< Rayleigh's function: forces −∂R/∂v.
-  std::vector<std::vector<Expression>> mass_matrix;  ///< In the order of the coordinates; empty: not given.
+  std::optional<Expression> dissipation;                     ///< Rayleigh's function: forces −∂R/∂v.
+  std::vector<std::vector<Expression>> mass_matrix;          ///< In the order of the coordinates; empty: not given.
   std::vector<std::pair<CoordinateRef, Expression>> forces;  ///< Generalized forces along coordinates.
   std::shared_ptr<const LagrangianSystem> system;
   std::vector<FunctionConstraint> function_constraints;  ///< Of `system`, in the order of its rows.
@@ -215,8 +215,8 @@ struct DriveSpec {
   std::optional<std::array<NameRef, 2>>
       bodies;  ///< on the distance of two points (drawn, or in body frames if posed), or
   std::optional<std::array<Number3, 2>> points;
-  std::optional<NameRef> point;         ///< on a recorded point (three laws, world axes), or
-  std::optional<Expression> quantity;   ///< on a quantity s of the state: d_j = ∂s/∂q_j, or
+  std::optional<NameRef> point;        ///< on a recorded point (three laws, world axes), or
+  std::optional<Expression> quantity;  ///< on a quantity s of the state: d_j = ∂s/∂q_j, or
   /// by its map d_j alone: formulas along coordinates. Such a drive moves nothing that could be prescribed.
   std::vector<std::pair<CoordinateRef, Expression>> map;
   std::vector<LawSpec> motion, effort;  ///< Empty, one, or three (recorded point).
@@ -271,7 +271,7 @@ struct InitialSpec {
 struct RecordSpec {
   NameRef name;
   NameRef body;
-  Number3 place;  ///< In the body's drawing frame.
+  Number3 place;                      ///< In the body's drawing frame.
   std::optional<Expression> formula;  ///< Instead of a point: a formula of time and state.
   SourceRange at;
 };

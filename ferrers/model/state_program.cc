@@ -19,7 +19,9 @@ class Call {
     const long stride = n_ + 3;
     return make({out, m, stride}, {out + 3, m, n_, stride}, {out + 1, m, stride}, {out + 2, m, stride}, {}, {}, {});
   }
-  EquationsOfMotion inertia(double* M, double* h) const { return make({}, {}, {}, {}, {M, n_, n_, n_}, {h, n_, 1}, {}); }
+  EquationsOfMotion inertia(double* M, double* h) const {
+    return make({}, {}, {}, {}, {M, n_, n_, n_}, {h, n_, 1}, {});
+  }
   EquationsOfMotion forces(double* tau) const { return make({}, {}, {}, {}, {}, {}, {tau, n_, 1}); }
   EquationsOfMotion nothing() const { return make({}, {}, {}, {}, {}, {}, {}); }
 

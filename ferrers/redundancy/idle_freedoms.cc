@@ -65,12 +65,13 @@ void SpinAnalyzer::add_extra_rows() {
       const RecordedPoint& point = model.records()[scalar.point];
       Wrench W = Wrench::Zero();
       W.tail<3>() = coefficient * Vector3d::Unit(scalar.axis);
-      add_part(row, {ground_, root[point.body.index()]},
-               point_position(pos_, system_.point(point.body, point.point_m)), W);
+      add_part(row, {ground_, root[point.body.index()]}, point_position(pos_, system_.point(point.body, point.point_m)),
+               W);
       return;
     }
     const int j = scalar.coordinate.joint.index();
-    add_part(row, bodies_of_[j], wrenches_[j].p_M, coefficient * effort_wrench(system_, scalar.coordinate, wrenches_[j]));
+    add_part(row, bodies_of_[j], wrenches_[j].p_M,
+             coefficient * effort_wrench(system_, scalar.coordinate, wrenches_[j]));
   };
   for (std::size_t c = 0; c < model.couplings().size(); ++c) {
     ExtraRow row;

@@ -47,8 +47,7 @@ class ConstantAcceleration final : public Stepper {
     const Selection& s = evaluator.selection();
     compute_positions(evaluator.system(), state.q, pos_);
     compute_constraints(evaluator.system(), state, pos_, vel_, constraints_);
-    compute_driven_rows(evaluator.model(), state, evaluator.equations().driven, pos_, vel_, drive_work_,
-                        constraints_);
+    compute_driven_rows(evaluator.model(), state, evaluator.equations().driven, pos_, vel_, drive_work_, constraints_);
     lu_.compute(MatrixXd(constraints_.G(s.rows, s.dependent)));
   }
 

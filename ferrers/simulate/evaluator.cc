@@ -187,8 +187,7 @@ bool Evaluator::laws_agree(double t) {
 double Evaluator::rounding_of_positions() const {
   double place = 0;
   for (int i = 1; i < system().body_nodes; ++i) place = std::max(place, eq_.pos.nodes[i].p.squaredNorm());
-  return 2 * std::numeric_limits<double>::epsilon() *
-         std::max({scaling_.length_m, std::sqrt(place), coordinate_size_});
+  return 2 * std::numeric_limits<double>::epsilon() * std::max({scaling_.length_m, std::sqrt(place), coordinate_size_});
 }
 
 // What it leaves in G v, m/s.

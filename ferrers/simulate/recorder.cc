@@ -20,8 +20,7 @@ Recorder::Recorder(std::shared_ptr<const DynamicsModel> model, ReactionAxes axes
     const JointTypeInfo& type = joint_type_info(joint.type);
     for (int i = 0; i < type.nq; ++i) columns_.push_back(coordinate_label(joint, type.position_names[i]));
     for (const std::string suffix : {".velocity", ".acceleration"}) {
-      for (int i = 0; i < type.nv; ++i)
-        columns_.push_back(coordinate_label(joint, type.coordinates[i].name) + suffix);
+      for (int i = 0; i < type.nv; ++i) columns_.push_back(coordinate_label(joint, type.coordinates[i].name) + suffix);
     }
   }
   for (const FloatingBody& body : floating_) {

@@ -144,7 +144,9 @@ std::vector<Vector6d> EngineProbe::body_accelerations(const VectorXd& vdot) cons
 
 std::vector<JointReaction> EngineProbe::reactions(const State& state, const ForwardResult& result,
                                                   ReactionAxes axes) const {
-  return ReactionSolver(dynamics).solve(state, eq, selection, result.vdot, result.lambda, eq.u, axes);
+  auto all = ReactionSolver(dynamics).solve(state, eq, selection, result.vdot, result.lambda, eq.u, axes);
+  all.resize(model().coordinates_begin());
+  return all;
 }
 
 }  // namespace ferrers::witness

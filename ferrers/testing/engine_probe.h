@@ -49,6 +49,7 @@ struct EngineProbe {
   /// `evaluate` must have been called at the state.
   std::vector<Vector6d> body_accelerations(const VectorXd& vdot) const;
 
+  /// Of the joints alone, without multipliers of couplings.
   std::vector<JointReaction> reactions(const State& state, const ForwardResult& result,
                                        ReactionAxes axes = ReactionAxes::kWorld) const;
 };

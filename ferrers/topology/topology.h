@@ -37,7 +37,7 @@ struct Topology {
   std::vector<int> closure_of_joint;      ///< Or −1 (tree).
 
   int moving_bodies = 0;
-  int joint_rows = 0;  ///< Σ (6 − f) over all joints, and couplings.
+  int joint_rows = 0;           ///< Σ (6 − f) over all joints, and couplings.
   int general_coordinates = 0;  ///< Coordinates that carry no body.
   /// Velocities of the full system: six per moving body, and the generalized coordinates.
   int full_velocities() const { return 6 * moving_bodies + general_coordinates; }

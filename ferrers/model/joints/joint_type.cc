@@ -4,10 +4,9 @@ namespace ferrers {
 namespace {
 
 constexpr std::array<const JointTypeInfo*, 16> kTable = {
-    &kWeldJoint,      &kRevoluteJoint,  &kPrismaticJoint, &kScrewJoint,       &kCylindricalJoint,
-    &kUniversalJoint, &kSphericalJoint, &kPlanarJoint,    &kPointOnLineJoint, &kPointOnPlaneJoint,
-    &kDistanceJoint,  &kGearMeshJoint,  &kFreeJoint,      &kAngleCoordinate,  &kLengthCoordinate,
-    &kOtherCoordinate};
+    &kWeldJoint,      &kRevoluteJoint,   &kPrismaticJoint,   &kScrewJoint,        &kCylindricalJoint, &kUniversalJoint,
+    &kSphericalJoint, &kPlanarJoint,     &kPointOnLineJoint, &kPointOnPlaneJoint, &kDistanceJoint,    &kGearMeshJoint,
+    &kFreeJoint,      &kAngleCoordinate, &kLengthCoordinate, &kOtherCoordinate};
 constexpr std::size_t kOfBodies = 13;
 
 }  // namespace
