@@ -200,7 +200,7 @@ void compute_kinematics(const DynamicsModel& model, const State& state, Equation
   compute_velocities(system, out.pos, state.q, state.v, out.vel);
   compute_constraints(system, state, out.pos, out.vel, out.constraints);
   compute_driven_rows(model, state, out.driven, out.pos, out.vel, out.drive_work, out.constraints);
-  read_lagrangian_inputs(model, state, out.pos, out.vel, out.lagrangian);
+  if (needs_lagrangian_inputs(model)) read_lagrangian_inputs(model, state, out.pos, out.vel, out.lagrangian);
 }
 
 void compute_mass_and_bias(const DynamicsModel& model, Equations& out) {
@@ -240,8 +240,12 @@ void compute_applied_forces(const DynamicsModel& model, const State& state, Equa
   for (int i = 0; i < model.nu(); ++i) {
     const DriveComponent& drive = model.drives[i];
     if (!drive.acts) continue;
-    const Jet jet = measure_drive(model, drive, state, out.pos, out.vel, out.drive_work);
-    fill_drive_row(model, drive, out.pos, jet, out.drive_work, out.B_transposed.row(i));
+    if (drive.kind == Drive::Kind::kCoordinate && drive.access.in_tree) {
+      out.B_transposed(i, drive.access.v) = 1;
+    } else {
+      const Jet jet = measure_drive(model, drive, state, out.pos, out.vel, out.drive_work);
+      fill_drive_row(model, drive, out.pos, jet, out.drive_work, out.B_transposed.row(i));
+    }
     out.u[i] = drive.effort ? drive.effort->evaluate(system, state, out.pos, out.vel) : 0;
   }
   for (const int i : out.driven) out.u[i] = 0;

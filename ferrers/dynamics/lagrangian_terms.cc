@@ -15,6 +15,25 @@ void for_columns(const System& system, const CoordinateAccess& access, Use use) 
   }
 }
 
+// No body adds to what the formulas give.
+bool is_alone(const DynamicsModel& model) { return model.lagrangian.in_tree && model.system->body_nodes == 1; }
+
+// The program of the constraints computes the inertia along.
+bool is_computed_along(const DynamicsModel& model) {
+  const std::vector<FormulaBlock>& blocks = model.system->formulas;
+  return blocks.size() == 1 && is_alone(model) &&
+         blocks.front().program.output_count() > outputs_of_rows(blocks.front());
+}
+
+// M_kl and h_k at the state of `eq`; `at`: where they are evaluated if they were not computed along.
+const double* inertia_at(const DynamicsModel& model, const Equations& eq, FormulaEvaluation& at) {
+  if (is_computed_along(model)) {
+    return eq.constraints.formulas.front().outputs.data() + outputs_of_rows(model.system->formulas.front());
+  }
+  model.lagrangian.inertia.evaluate(at.inputs.data(), at.outputs.data());
+  return at.outputs.data();
+}
+
 // Entry of R_k in column v; `rows` holds those of scalars outside of the tree.
 double entry(const BoundLagrangian& bound, const RowMatrixXd& rows, int k, int v) {
   const CoordinateAccess& access = bound.scalars[k];
@@ -83,7 +102,12 @@ void read_lagrangian_inputs(const DynamicsModel& model, const State& state, cons
   out.inputs[2 * count] = state.t;
 }
 
+bool needs_lagrangian_inputs(const DynamicsModel& model) {
+  return !model.lagrangian.scalars.empty() && (model.lagrangian.has_forces || !is_computed_along(model));
+}
+
 void clear_lagrangian_mass(const DynamicsModel& model, MatrixXd& M) {
+  if (is_alone(model)) return;
   for (const auto& [a, b] : model.lagrangian.mass_pattern) M(a, b) = 0;
 }
 
@@ -92,14 +116,22 @@ void add_lagrangian_inertia(const DynamicsModel& model, Equations& eq, bool with
   const int count = static_cast<int>(bound.scalars.size());
   if (count == 0) return;
   FormulaEvaluation& at = eq.lagrangian;
-  bound.inertia.evaluate(at.inputs.data(), at.outputs.data());
-  const double* const bias = at.outputs.data() + bound.mass.size();
+  const double* const inertia = inertia_at(model, eq, at);
+  const double* const bias = inertia + bound.mass.size();
+  if (is_alone(model)) {
+    for (std::size_t e = 0; e < bound.mass.size(); ++e) {
+      const int a = bound.scalars[bound.mass[e].first].v, b = bound.scalars[bound.mass[e].second].v;
+      eq.M(a, b) = eq.M(b, a) = inertia[e];
+    }
+    for (int k = 0; k < count && with_bias; ++k) eq.h[bound.scalars[k].v] = bias[k];
+    return;
+  }
   if (bound.in_tree) {
     for (std::size_t e = 0; e < bound.mass.size(); ++e) {
       const auto [k, l] = bound.mass[e];
       const int a = bound.scalars[k].v, b = bound.scalars[l].v;
-      eq.M(a, b) += at.outputs[e];
-      if (a != b) eq.M(b, a) += at.outputs[e];
+      eq.M(a, b) += inertia[e];
+      if (a != b) eq.M(b, a) += inertia[e];
     }
     for (int k = 0; k < count && with_bias; ++k) eq.h[bound.scalars[k].v] += bias[k];
     return;
@@ -115,7 +147,7 @@ void add_lagrangian_inertia(const DynamicsModel& model, Equations& eq, bool with
   };
   for (std::size_t e = 0; e < bound.mass.size(); ++e) {
     const auto [k, l] = bound.mass[e];
-    const double mass = at.outputs[e];
+    const double mass = inertia[e];
     for_columns(system, bound.scalars[k], [&, k = k, l = l](int a) {
       for_columns(system, bound.scalars[l], [&](int b) {
         const double value = mass * entry(bound, eq.lagrangian_rows, k, a) * entry(bound, eq.lagrangian_rows, l, b);
@@ -149,20 +181,20 @@ void add_lagrangian_loads(const DynamicsModel& model, const Equations& eq, const
   if (count == 0) return;
   const System& system = *model.system;
   FormulaEvaluation at = eq.lagrangian;
-  bound.inertia.evaluate(at.inputs.data(), at.outputs.data());
+  const double* const inertia = inertia_at(model, eq, at);
   VectorXd accelerations(count), effort = VectorXd::Zero(count);
   for (int k = 0; k < count; ++k) {
     const CoordinateAccess& access = bound.scalars[k];
     accelerations[k] = access.in_tree ? vdot[access.v] : eq.lagrangian_rows.row(k).dot(vdot);
     if (bias) {
       accelerations[k] += at.jets[k].bias;
-      effort[k] -= at.outputs[bound.mass.size() + static_cast<std::size_t>(k)];
+      effort[k] -= inertia[bound.mass.size() + static_cast<std::size_t>(k)];
     }
   }
   for (std::size_t e = 0; e < bound.mass.size(); ++e) {
     const auto [k, l] = bound.mass[e];
-    effort[k] -= at.outputs[e] * accelerations[l];
-    if (k != l) effort[l] -= at.outputs[e] * accelerations[k];
+    effort[k] -= inertia[e] * accelerations[l];
+    if (k != l) effort[l] -= inertia[e] * accelerations[k];
   }
   for (int k = 0; k < count; ++k) {
     add_effort(system, bound, eq.pos, at, k, effort[k], loads.on_nodes, loads.tree_efforts.col(column), column);

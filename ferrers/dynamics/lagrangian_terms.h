@@ -15,7 +15,10 @@ namespace ferrers {
 /// Columns of v that the inertia of the formulas can couple: pairs, both orders, without duplicates.
 std::vector<std::pair<int, int>> lagrangian_mass_pattern(const System& system);
 
-/// Values and rates of the scalars at a state: first of all, in `compute_kinematics`.
+/// Values and rates of the scalars at a state: first of all, in `compute_kinematics`, where they are needed. They are
+/// not where there are no bodies and no forces by formulas: the program of the constraints has computed the inertia
+/// along (kinematics/formula_rows.h).
+bool needs_lagrangian_inputs(const DynamicsModel& model);
 void read_lagrangian_inputs(const DynamicsModel& model, const State& state, const PositionKinematics& pos,
                             const VelocityKinematics& vel, FormulaEvaluation& out);
 

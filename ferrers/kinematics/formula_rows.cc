@@ -29,12 +29,24 @@ class BlockMaker {
     outputs_.push_back(relation.bias);
     outputs_.insert(outputs_.end(), relation.gradient.begin(), relation.gradient.end());
     for (std::size_t k = 0; k < coupling.scalars.size(); ++k) {
-      row.scalars.push_back(place_of(coupling.scalars[k], target.scalars[k], relation, k));
+      row.scalars.push_back(
+          place_of(coupling.scalars[k], target.scalars[k], relation.values[k], relation.rates[k]));
       row.in_tree = row.in_tree && target.scalars[k].in_tree;
     }
     target.block = static_cast<int>(system_.formulas.size());
     target.relation = static_cast<int>(block_.rows.size());
     block_.rows.push_back(std::move(row));
+  }
+
+  // Where there are no bodies the energies' derivatives are computed along, after what the rows want: they share most
+  // sines and products with the constraints.
+  void add_energies(const Lagrangian& lagrangian) {
+    for (std::size_t k = 0; k < lagrangian.scalars.size(); ++k) {
+      place_of(lagrangian.scalars[k], system_.scalar_access(lagrangian.scalars[k]), lagrangian.values[k],
+               lagrangian.rates[k]);
+    }
+    for (const Lagrangian::MassEntry& entry : lagrangian.mass) outputs_.push_back(entry.value);
+    outputs_.insert(outputs_.end(), lagrangian.bias.begin(), lagrangian.bias.end());
   }
 
   void finish() {
@@ -47,12 +59,13 @@ class BlockMaker {
   }
 
  private:
-  int place_of(const StateScalar& scalar, const CoordinateAccess& access, const Relation& relation, std::size_t k) {
+  int place_of(const StateScalar& scalar, const CoordinateAccess& access, const std::string& value,
+               const std::string& rate) {
     const auto [found, is_new] = places_.emplace(scalar, static_cast<int>(block_.scalars.size()));
     if (is_new) {
       block_.scalars.push_back(access);
-      values_.push_back(relation.values[k]);
-      rates_.push_back(relation.rates[k]);
+      values_.push_back(value);
+      rates_.push_back(rate);
     }
     return found->second;
   }
@@ -97,6 +110,8 @@ void clear_row(const System& system, const FormulaBlock& block, const FormulaBlo
 
 void add_formula_blocks(System& system) {
   const std::vector<Closure>& closures = system.topology->closures;
+  const bool with_energies = system.body_nodes == 1 && system.topology->clusters.size() == 1 &&
+                             system.model->lagrangian().any() && !system.model->lagrangian().system;
   for (const Cluster& cluster : system.topology->clusters) {
     BlockMaker maker(system);
     std::vector<int> of_functions;
@@ -111,6 +126,7 @@ void add_formula_blocks(System& system) {
         maker.add(coupling);
       }
     }
+    if (with_energies) maker.add_energies(system.model->lagrangian());
     maker.finish();
     add_function_block(system, of_functions);
   }
@@ -153,6 +169,11 @@ FormulaEvaluation make_formula_evaluation(const FormulaBlock& block) {
           std::vector<double>(block.program.output_count())};
 }
 
+int outputs_of_rows(const FormulaBlock& block) {
+  const FormulaBlock::Row& last = block.rows.back();
+  return last.first_output + kGradient + static_cast<int>(last.scalars.size());
+}
+
 void evaluate_formulas(const System& system, const FormulaBlock& block, const State& state,
                        const PositionKinematics& pos, const VelocityKinematics& acc, FormulaEvaluation& out) {
   const std::size_t count = block.scalars.size();
@@ -188,7 +209,25 @@ void compute_formula_rows(const System& system, const FormulaBlock& block, const
                           const PositionKinematics& pos, const VelocityKinematics& vel, FormulaEvaluation& work,
                           ConstraintKinematics& out) {
   evaluate_formulas(system, block, state, pos, vel, work);
+  const CoordinateAccess* const scalars = block.scalars.data();
+  const double* const rates = work.inputs.data() + block.scalars.size();
+  const long stride = out.G.cols();
   for (const FormulaBlock::Row& row : block.rows) {
+    if (row.in_tree) {  // R_k is a unit row, and no two of them are the same
+      const double* const result = work.outputs.data() + row.first_output;
+      const double* a = result + kGradient;
+      double* const G = out.G.data() + row.row * stride;
+      double rate = 0;
+      for (const int k : row.scalars) {
+        G[scalars[k].v] = *a;
+        rate += *a++ * rates[k];
+      }
+      out.phi[row.row] = result[0];
+      out.nu[row.row] = -result[kOffset];
+      out.rate[row.row] = rate;
+      out.gamma[row.row] = -result[kBias];
+      continue;
+    }
     const Jet jet = formula_jet(block, row, work);
     out.phi[row.row] = jet.value;
     out.nu[row.row] = -work.outputs[row.first_output + kOffset];

@@ -16,6 +16,10 @@ void add_formula_blocks(System& system);
 
 FormulaEvaluation make_formula_evaluation(const FormulaBlock& block);
 
+/// First output of a block after those of its rows: where the inertia of a system without bodies follows (M_kl, then
+/// h_k, as in model/relation.h). The number of outputs where there is none.
+int outputs_of_rows(const FormulaBlock& block);
+
 /// Fills `out`. `acc`: as for `measure_coordinate`. Allocates nothing. Cost: O(scalars + size of the formulas).
 void evaluate_formulas(const System& system, const FormulaBlock& block, const State& state,
                        const PositionKinematics& pos, const VelocityKinematics& acc, FormulaEvaluation& out);

@@ -14,20 +14,17 @@ bool is_zero(const Expression& e) { return e.constant_value() == 0.0; }
 // (∂/∂t + ẋ_j ∂/∂x_j) f.
 Expression along_motion(const Expression& f, const std::vector<std::string>& values,
                         const std::vector<std::string>& rates) {
-  std::vector<Expression> terms = {f.derivative(kTimeName)};
-  for (std::size_t j = 0; j < values.size(); ++j) {
-    if (!f.depends_on(values[j])) continue;
-    terms.push_back(f.derivative(values[j]) * Expression::variable(rates[j]));
-  }
-  return sum_of(terms);
+  return f.rate([&](std::string_view name) -> std::optional<Expression> {
+    if (name == kTimeName) return Expression::constant(1);
+    const auto found = std::find(values.begin(), values.end(), name);
+    if (found == values.end()) return std::nullopt;
+    return Expression::variable(rates[static_cast<std::size_t>(found - values.begin())]);
+  });
 }
 
-void add_bias(Relation& relation) {
-  std::vector<Expression> rate = {relation.offset};
-  for (std::size_t k = 0; k < relation.values.size(); ++k) {
-    rate.push_back(relation.gradient[k] * Expression::variable(relation.rates[k]));
-  }
-  relation.bias = along_motion(sum_of(rate), relation.values, relation.rates);
+// `rate`: a·ẋ + b.
+void add_bias(const Expression& rate, Relation& relation) {
+  relation.bias = along_motion(rate, relation.values, relation.rates);
   relation.knows_time = relation.offset.constant_value() != 0.0;
 }
 
@@ -40,7 +37,7 @@ Relation make_relation(const Expression& residual, const FormulaScalars& scalars
   relation.residual = residual.simplified();
   for (const std::string& value : relation.values) relation.gradient.push_back(residual.derivative(value));
   relation.offset = residual.derivative(kTimeName);
-  add_bias(relation);
+  add_bias(along_motion(residual, relation.values, relation.rates), relation);
   return relation;
 }
 
@@ -64,7 +61,7 @@ std::optional<Relation> make_velocity_relation(const Expression& formula, const 
                           return Expression();
                         })
                         .simplified();
-  add_bias(relation);
+  add_bias(formula, relation);
   return relation;
 }
 
@@ -74,7 +71,11 @@ Relation make_map(std::vector<Expression> gradient, const FormulaScalars& scalar
   relation.values = scalars.values;
   relation.rates = scalars.rates;
   relation.gradient = std::move(gradient);
-  add_bias(relation);
+  std::vector<Expression> rate;
+  for (std::size_t k = 0; k < relation.values.size(); ++k) {
+    rate.push_back(relation.gradient[k] * Expression::variable(relation.rates[k]));
+  }
+  add_bias(sum_of(rate), relation);
   return relation;
 }
 
