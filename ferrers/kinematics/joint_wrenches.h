@@ -40,8 +40,7 @@ struct JointWrenches {
 };
 
 /// All joints' row wrenches at one pose.
-JointWrenches compute_joint_frame_wrenches(const System& system, const State& state,
-                                                             const PositionKinematics& pos);
+JointWrenches compute_joint_frame_wrenches(const System& system, const State& state, const PositionKinematics& pos);
 
 /// A wrench per unit effort along a scalar that is no entry of v: on the second node of its frames, opposite on the
 /// first.
@@ -76,7 +75,6 @@ MatrixXd constraint_part(const JointFrameWrenches& joint, const Wrenches& w, dou
 
 /// Multipliers of all rows that balance the loads: AllRows::size() × k. Uses up `loads`.
 MatrixXd distribute_to_joints(const System& system, const AllRows& rows, const Scaling& scaling,
-                              const PositionKinematics& pos, const JointWrenches& joints,
-                              Loads loads);
+                              const PositionKinematics& pos, const JointWrenches& joints, Loads loads);
 
 }  // namespace ferrers

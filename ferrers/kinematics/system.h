@@ -73,7 +73,8 @@ struct CouplingRow {
 };
 
 /// Relations of one cluster, evaluated by one program so that what they share is computed once. Its inputs are the
-/// values of `scalars`, their rates, and t; its outputs are, relation by relation, phi, b, c and a_k (model/relation.h).
+/// values of `scalars`, their rates, and t; its outputs are, relation by relation, phi, b, c and a_k
+/// (model/relation.h).
 struct FormulaBlock {
   struct Row {
     int coupling = 0;          ///< Index into `System::couplings`.
@@ -103,9 +104,9 @@ struct System {
   std::vector<CutJoint> cuts;
   std::vector<CouplingRow> couplings;  ///< As many as the model's, in their order.
   std::vector<FormulaBlock> formulas;
-  std::vector<FramePair> points;  ///< Ground's origin to each recorded point of the model.
-  bool knows_time = false;         ///< Some relation moves by itself: nu is not 0.
-  std::vector<int> velocity_rows;  ///< Rows that hold for velocities only: phi is 0 there whatever q is.
+  std::vector<FramePair> points;              ///< Ground's origin to each recorded point of the model.
+  bool knows_time = false;                    ///< Some relation moves by itself: nu is not 0.
+  std::vector<int> velocity_rows;             ///< Rows that hold for velocities only: phi is 0 there whatever q is.
   std::vector<std::string> row_names;         ///< m: "joint/moment_x", or the coupling's name.
   std::vector<std::string> coordinate_names;  ///< nv: "joint" or "joint.coordinate".
   VectorXd drawn_winding;                     ///< Angles of the cut joints as drawn.

@@ -57,8 +57,8 @@ struct JointTypeInfo {
   std::span<const int> row_components = {};               ///< Row i is called after kComponentNames[row_components[i]].
   bool can_be_tree = false;
   bool carries_body = true;  ///< False: a generalized coordinate, between ground and nothing.
-  int quaternion_at = -1;  ///< Index in q of a unit quaternion (w, x, y, z), or −1.
-  int winding_count = 0;   ///< Number of `angles`.
+  int quaternion_at = -1;    ///< Index in q of a unit quaternion (w, x, y, z), or −1.
+  int winding_count = 0;     ///< Number of `angles`.
   MotionFunction motion = nullptr;
   SubspaceFunction subspace = nullptr;
   bool constant_subspace = true;  ///< Ṡ = 0 in F axes.
@@ -79,8 +79,8 @@ const JointTypeInfo* find_joint_type(std::string_view name);
 
 // The types, one file each.
 extern const JointTypeInfo kWeldJoint, kRevoluteJoint, kPrismaticJoint, kScrewJoint, kCylindricalJoint, kUniversalJoint,
-    kSphericalJoint, kPlanarJoint, kPointOnLineJoint, kPointOnPlaneJoint, kDistanceJoint, kGearMeshJoint, kFreeJoint, kAngleCoordinate,
-    kLengthCoordinate, kOtherCoordinate;
+    kSphericalJoint, kPlanarJoint, kPointOnLineJoint, kPointOnPlaneJoint, kDistanceJoint, kGearMeshJoint, kFreeJoint,
+    kAngleCoordinate, kLengthCoordinate, kOtherCoordinate;
 
 /// Row of the moment that keeps the two z axes parallel, along x or y of F, and the rows shared by several types.
 Jet moment_x_row(const RelativeMotion& m);
