@@ -88,7 +88,7 @@ class Expression {
   std::string to_string() const;
 
   /// In LaTeX, for math mode: fractions, roots, powers, functions by their usual signs. `name` writes a name
-  /// (`\\varphi` for `phi`); without it `l_1` is `l_{1}` and longer words stand upright. Cost: as that of `to_string`.
+  /// (`\\varphi` for `phi`); without it `l_1` is `l_{1}`, longer words stand upright. Given up in words after 256 KiB.
   std::string to_latex(const std::function<std::string(std::string_view)>& name = {}) const;
 
   SourceRange at() const;  ///< Where the formula stands.

@@ -114,6 +114,9 @@ std::string_view latex_function(Op op) {
   }
 }
 
+// Bytes. Shared parts are written out each time, so that the text of a small formula's derivative can be endless.
+constexpr std::size_t kLongest = 1 << 18;
+
 /// Writes with an explicit stack, so that depth does not matter.
 class LatexWriter {
  public:
@@ -123,6 +126,7 @@ class LatexWriter {
   std::string write() {
     pending_.push_back(Subtree{static_cast<int>(tree_.nodes.size()) - 1, kAnything});
     while (!pending_.empty()) {
+      if (out_.size() > kLongest) return "\\text{(too long to write)}";
       const Piece piece = std::move(pending_.back());
       pending_.pop_back();
       if (const auto* text = std::get_if<std::string>(&piece)) {

@@ -36,6 +36,12 @@ TEST(ExpressionLatexTest, FormulasAreDrawnAsInBooks) {
   for (const auto& [formula, latex] : cases) EXPECT_EQ(parsed(formula).to_latex(), latex) << formula;
 }
 
+// Written out, its second derivative would fill the memory: shared parts come again and again.
+TEST(ExpressionLatexTest, AFormulaThatTakesNoEndIsGivenUp) {
+  const Expression tower = parsed("y^y^y^y^x^x^x^x^y^y^y^y^x^x^x^x^y^y^y^y^y^y^x");
+  EXPECT_NE(tower.derivative("y").derivative("x").to_latex().find("too long"), std::string::npos);
+}
+
 TEST(ExpressionLatexTest, NamesAreWrittenAsTheCallerWants) {
   const auto greek = [](std::string_view name) { return name == "phi" ? "\\varphi" : std::string(name); };
   EXPECT_EQ(parsed("phi*r").to_latex(greek), "\\varphi \\, r");

@@ -101,9 +101,19 @@ void Run::conclude() {
     }
   }
   summary_.drives_off = drives_off();
+  if (state_.t > summary_.t_reached && state_.q.size() == system().nq && state_.q.allFinite()) {
+    // It ended between two rows: the work is known to there, so the energy must be.
+    PositionKinematics pos = make_position_kinematics(system());
+    VelocityKinematics vel = make_velocity_kinematics(system());
+    compute_positions(system(), state_.q, pos);
+    compute_velocities(system(), pos, state_.q, state_.v, vel);
+    const Energy energy = compute_energy(evaluator_.model(), state_, pos, vel);
+    energy_ = energy.total();
+    elastic_ = energy.elastic;
+  }
   work_.others += elastic_ - elastic_start_;
   summary_.work = work_;
-  summary_.balance_error = summary_.energy_end - summary_.energy_start - work_.drives - work_.others;
+  summary_.balance_error = energy_ - summary_.energy_start - work_.drives - work_.others;
 }
 
 bool Run::fail(RunStatus status, std::string message) {

@@ -402,6 +402,16 @@ TEST(RunTest, AnEffortThatGrowsWithoutBoundEndsTheRunThere) {
   EXPECT_LT(run.summary.steps, 2000);
 }
 
+TEST(RunTest, TheBalanceOfARunThatEndsBetweenRowsIsThatOfWhereItEnded) {
+  ModelSpec spec = make_four_bar(FourBarJoints::kRevolute);
+  spec.drives = {coordinate_drive("motor", "O", "", "10/(t - 0.55)")};
+  const ProbedRun run = probe_run(spec, plain_run(1, 0.2));
+  EXPECT_EQ(run.summary.status, RunStatus::kStepTooSmall);
+  EXPECT_NEAR(run.summary.t_reached, 0.4, 1e-12);
+  EXPECT_GT(std::abs(run.summary.work.drives), 1);
+  EXPECT_NEAR(run.summary.balance_error, 0, 1e-6 * std::abs(run.summary.work.drives));
+}
+
 TEST(DrivenTest, AMotionThatBeginsElsewhereThanAnExactInitialPoseIsTold) {
   for (const bool guess : {false, true}) {
     ModelSpec spec = make_pendulum();
