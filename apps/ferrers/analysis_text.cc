@@ -306,7 +306,7 @@ std::string releases_text(const RedundancyReport& report, const std::optional<Re
   if (report.redundant == 0) return text + (has_joints ? "   None are needed.\n" : "   Nothing is redundant.\n");
   if (!has_joints) {
     return text + wrapped_text("   ",
-                               fmt::format("Leaving out {}, as one choice of several; motion and forces stay.",
+                               fmt::format("Leaving out {}, as one choice of several, changes nothing in this pose.",
                                            fmt::join(report.excluded_row_names, ", ")),
                                "   ");
   }

@@ -335,6 +335,21 @@ struct PrescribedMotion::Impl {
 
   // ---- laws that are given twice -----------------------------------------------------------------------------
 
+  // A row left out whose rate does not follow from those kept: constraints on velocities, or constraints that move.
+  std::string broken_rate(double t) const {
+    if (system.velocity_rows.empty() && !system.knows_time) return "";
+    const ConstraintKinematics& c = eq.constraints;
+    for (int row = 0; row < system.m; ++row) {
+      const double off = c.G.row(row).dot(current.state.v) - c.nu[row];
+      const double size = c.G.row(row).cwiseAbs().dot(current.state.v.cwiseAbs()) + std::abs(c.nu[row]);
+      // not a rank decision: whether a constraint holds
+      if (std::abs(off) <= kLawAgreement[1] * size) continue;
+      return fmt::format("the prescribed motions break the constraint '{}' at t = {:.9g} s: its rate is off by {:.3g}",
+                         system.row_names[static_cast<std::size_t>(row)], t, std::abs(off));
+    }
+    return "";
+  }
+
   // What laws ask for beside what they get; the first that differs is told.
   std::string contradiction(double t) const {
     if (watched() == 0) return "";
@@ -594,6 +609,9 @@ struct PrescribedMotion::Impl {
                   fmt::format("the driven mechanism is at a singular pose (a dead point) at t = {:.9g} s", t));
     }
     current.status = PrescribedStatus::kSolved;
+    if (std::string broken = broken_rate(t); !broken.empty()) {
+      return fail(PrescribedStatus::kContradictory, std::move(broken));
+    }
     if (std::string clash = contradiction(t); !clash.empty()) {
       return fail(PrescribedStatus::kContradictory, std::move(clash));
     }

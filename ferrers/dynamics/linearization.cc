@@ -123,6 +123,13 @@ Linearization linearize(const DynamicsModel& model, const State& state) {
     fail(LinearizationStatus::kUnsupported, "not supported: " + model.unsupported.front(), out);
     return out;
   }
+  if (!system.velocity_rows.empty()) {
+    fail(LinearizationStatus::kUnsupported,
+         "not supported: constraint '" + system.row_names[static_cast<std::size_t>(system.velocity_rows.front())] +
+             "' on velocities, beside which positions vary that no velocity reaches",
+         out);
+    return out;
+  }
   Equations eq = make_equations(model);
   compute_kinematics(model, state, eq);
   RankDecision decision;

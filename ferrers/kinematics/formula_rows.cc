@@ -39,10 +39,10 @@ class BlockMaker {
 
   // Where there are no bodies the energies' derivatives are computed along, after what the rows want: they share most
   // sines and products with the constraints.
+  // Only where they read nothing else: a block must not know coordinates outside of its cluster.
   void add_energies(const Lagrangian& lagrangian) {
-    for (std::size_t k = 0; k < lagrangian.scalars.size(); ++k) {
-      place_of(lagrangian.scalars[k], system_.scalar_access(lagrangian.scalars[k]), lagrangian.values[k],
-               lagrangian.rates[k]);
+    for (const StateScalar& scalar : lagrangian.scalars) {
+      if (places_.count(scalar) == 0) return;
     }
     for (const Lagrangian::MassEntry& entry : lagrangian.mass) outputs_.push_back(entry.value);
     outputs_.insert(outputs_.end(), lagrangian.bias.begin(), lagrangian.bias.end());

@@ -58,6 +58,10 @@ void ModelAssembler::build_coordinates() {
                          fmt::format("the coordinate '{}' has the name of a parameter", spec.name.name),
                          "formulas could not tell them apart");
     }
+    if (spec.name.name == "t" || spec.name.name == "energy" || is_expression_keyword(spec.name.name)) {
+      diagnostics_.error("F301", spec.name.at, fmt::format("'{}' cannot be the name of a coordinate", spec.name.name),
+                         "formulas or the columns of the results use it already");
+    }
     if (spec.guess) {
       InitialValue guess;
       guess.coordinate = {JointId(model_.joints_.size()), 0};
@@ -304,6 +308,12 @@ bool ModelAssembler::place_drive_by_formula(const DriveSpec& spec, Drive& drive)
       return false;
     }
     drive.relation = std::make_shared<const Relation>(make_relation(formula->expression, scalars));
+    if (drive.relation->knows_time) {
+      diagnostics_.error("F329", place_or(spec.quantity->at(), spec.name),
+                         fmt::format("the quantity of the drive '{}' reads the time", spec.name.name),
+                         "put the time into 'motion' or 'effort'; a constraint may know it");
+      return false;
+    }
   } else {
     std::vector<std::pair<int, Expression>> entries;
     for (const auto& [ref, entry] : spec.map) {

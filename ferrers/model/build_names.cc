@@ -51,6 +51,12 @@ void ModelAssembler::index_names() {
   for (const RecordSpec& record : spec_->records) {
     if (record.formula) {
       add_name(formulas, record.name, 0, "recorded formula");
+      const bool is_column = record.name.name == "t" || record.name.name == "energy";
+      if (!is_column && joint_index_.count(record.name.name) == 0) continue;
+      diagnostics_.error("F302", record.name.at,
+                         fmt::format("the recorded formula '{}' has the name of {}", record.name.name,
+                                     is_column ? "a column of the results" : "a joint or coordinate"),
+                         "columns of the results are told apart by their names");
     } else {
       add_name(record_index_, record.name, points++, "recorded point");
     }

@@ -289,7 +289,15 @@ const VectorXd& Evaluator::efforts() {
 bool Evaluator::is_worn() const { return pivot_known_ && is_worn_pivot(solver_->smallest_pivot(), healthy_pivot_); }
 
 double Evaluator::left_out_residual() const {
-  return row_scale_.size() > 0 ? eq_.constraints.phi.cwiseProduct(row_scale_).cwiseAbs().maxCoeff() : 0.0;
+  const ConstraintKinematics& c = eq_.constraints;
+  double largest = row_scale_.size() > 0 ? c.phi.cwiseProduct(row_scale_).cwiseAbs().maxCoeff() : 0.0;
+  // A row on velocities has no place to be off from: how far it is off on the way of one characteristic length.
+  const double speed = rounding_of_velocities() / (2 * std::numeric_limits<double>::epsilon());
+  for (const int row : system().velocity_rows) {
+    const double off = std::abs(c.rate[row] - c.nu[row]) * row_scale_[row];
+    if (off > 0) largest = std::max(largest, off * scaling_.length_m / std::max(speed, off));
+  }
+  return largest;
 }
 
 }  // namespace ferrers

@@ -408,8 +408,8 @@ TEST(RunTest, TheBalanceOfARunThatEndsBetweenRowsIsThatOfWhereItEnded) {
   const ProbedRun run = probe_run(spec, plain_run(1, 0.2));
   EXPECT_EQ(run.summary.status, RunStatus::kStepTooSmall);
   EXPECT_NEAR(run.summary.t_reached, 0.4, 1e-12);
-  EXPECT_GT(std::abs(run.summary.work.drives), 1);
-  EXPECT_NEAR(run.summary.balance_error, 0, 1e-6 * std::abs(run.summary.work.drives));
+  EXPECT_GT(std::abs(run.summary.work->drives), 1);
+  EXPECT_NEAR(run.summary.balance_error, 0, 1e-6 * std::abs(run.summary.work->drives));
 }
 
 TEST(DrivenTest, AMotionThatBeginsElsewhereThanAnExactInitialPoseIsTold) {
