@@ -9,8 +9,10 @@
 #include <string>
 
 #include "ferrers/dynamics/inverse.h"
+#include "ferrers/dynamics/linearization.h"
 #include "ferrers/io/model_reader.h"
 #include "ferrers/kinematics/assembly.h"
+#include "ferrers/redundancy/mechanism_analysis.h"
 #include "ferrers/testing/run_probe.h"
 
 namespace ferrers::witness {
@@ -398,6 +400,77 @@ drives:
     EXPECT_NEAR(along_b, 2 * u2 - 0.1 * lambda, 1e-9) << t;
     EXPECT_NEAR(along_c, 0.5 * u1 + lambda, 1e-9) << t;
   }
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
+// Rates that depend on each other
+
+std::string plane_with(const std::string& constraints, const std::string& rest = "") {
+  return "lagrangian:\n  coordinates: {x: m, y: m, h: rad}\n"
+         "  kinetic_energy: \"= (x.velocity^2 + y.velocity^2 + h.velocity^2)/2\"\n"
+         "constraints: {" +
+         constraints + "}\n" + rest;
+}
+
+TEST(LagrangianTest, ARateLeftOutIsWatchedAndEndsTheRunWhenItBreaks) {
+  // Dependent at h = 0 only: one of them is left out there, and a moment later it binds.
+  const std::string rolling =
+      R"(s1: {velocity: "= sin(h)*x.velocity - cos(h)*y.velocity"}, s2: {velocity: "= y.velocity"})";
+  const ProbedRun run = probe_run(
+      from_text(plane_with(rolling, "initial: {h: {position: 0, velocity: 1}, x: {velocity: 1}}")), plain_run(1, 0.1));
+  EXPECT_EQ(run.summary.status, RunStatus::kRedundancyEnded) << run.summary.message;
+  EXPECT_LT(run.summary.t_reached, 0.2);
+}
+
+TEST(LagrangianTest, APrescribedMotionThatBreaksARateIsContradictory) {
+  const auto solve = [](const std::string& rate) {
+    const ModelSpec spec =
+        from_text(plane_with("c1: \"= x - y\", c2: {velocity: \"= " + rate + "\"}",
+                             "motions: {x: \"= t\", h: 0}\ndrives: {d: {map: {x: 1}}, e: {map: {h: 1}}}"));
+    EngineProbe engine(spec);
+    AssemblyOptions options;
+    PrescribedMotion motion(engine.dynamics, assemble(*engine.system, options).state);
+    return motion.solve(0.5);
+  };
+  const PrescribedResult kept = solve("x.velocity - y.velocity");
+  EXPECT_EQ(kept.status, PrescribedStatus::kSolved) << kept.message;
+  const PrescribedResult broken = solve("x.velocity - y.velocity - t");
+  EXPECT_EQ(broken.status, PrescribedStatus::kContradictory);
+  EXPECT_NE(broken.message.find("'c2'"), std::string::npos) << broken.message;
+}
+
+TEST(LagrangianTest, RatesThatContradictEachOtherAreFoundBeforeAnyRun) {
+  const auto analyzed = [](const std::string& constraints) {
+    return analyze_mechanism(*EngineProbe(from_text(plane_with(constraints))).system);
+  };
+  const std::string first = R"(c1: {velocity: "= x.velocity - y.velocity"})";
+  EXPECT_FALSE(analyzed(first + R"(, c2: {velocity: "= 3*x.velocity - 3*y.velocity"})").rate_conflict);
+  const MechanismAnalysis bad = analyzed(first + R"(, c2: {velocity: "= 2*x.velocity - 2*y.velocity - 0.5"})");
+  ASSERT_TRUE(bad.rate_conflict);
+  const double off = bad.rate_conflict->residual;  // of whichever was left out
+  EXPECT_NEAR(off, bad.rate_conflict->row.find("c2") == 0 ? 0.5 : 0.25, 1e-12);
+  // Moving by themselves, together and apart.
+  EXPECT_FALSE(analyzed(R"(c1: "= x - y - t", c2: "= 2*x - 2*y - 2*t")").rate_conflict);
+  EXPECT_TRUE(analyzed(R"(c1: "= x - y - t", c2: "= 2*x - 2*y - t")").rate_conflict);
+}
+
+TEST(LagrangianTest, EnergiesOfCoordinatesWithoutConstraintsAreAnalyzedBesideOthers) {
+  // The energies read h, which no constraint does.
+  const MechanismAnalysis analysis =
+      analyze_mechanism(*EngineProbe(from_text(plane_with("c1: \"= x - y\", c2: \"= 2*x - 2*y\""))).system);
+  ASSERT_TRUE(analysis.redundancy);
+  EXPECT_EQ(analysis.redundancy->redundant, 1);
+  EXPECT_EQ(analysis.redundancy->mobility, 2);
+}
+
+TEST(LagrangianTest, MotionsWithoutDrivesAreNoInputs) {
+  const std::string motions =
+      "motions: {x: \"= 0.1\"}\ndrives: {d: {joint: y, effort: 1}}\ninitial: {x: {position: 0}}";
+  const EngineProbe engine(from_text(plane_with("c: \"= h - x\"", motions)));
+  const Linearization linear = linearize(*engine.dynamics, engine.start());
+  EXPECT_EQ(linear.inputs, std::vector<std::string>{"d"});
+  EXPECT_EQ(linear.B.cols(), 1);
+  EXPECT_EQ(acting_drives(*engine.dynamics).size(), 1U);
 }
 
 }  // namespace

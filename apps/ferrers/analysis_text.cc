@@ -121,7 +121,8 @@ std::string sharing_text(const RedundancyReport& report, const Style& style) {
                                    counted(static_cast<long>(sharing.size() + clean.size()),
                                            report.joints > 0 ? "joint" : "constraint")),
                        some(sharing), "      ");
-  text += clean.empty() ? "   No joint is clean of them.\n" : wrapped_list("   Clean:", some(clean), "      ");
+  text += clean.empty() ? (report.joints > 0 ? "   No joint is clean of them.\n" : "   All share them.\n")
+                        : wrapped_list("   Clean:", some(clean), "      ");
   text +=
       fmt::format("   {} can be held against each other with no load outside:\n",
                   report.redundant == 1 ? "One state of stress" : counted(report.redundant, "state") + " of stress");

@@ -74,12 +74,16 @@ int analyze(const AnalyzeOptions& options) {
     const std::string error = write_released_model(options, loaded, analysis.releases->releases);
     if (!error.empty()) return command_line_error(error);
   }
+  if (analysis.rate_conflict) {
+    report(loaded, "F503", {}, rate_conflict_message(*analysis.rate_conflict),
+           "leave one of them out, or let them ask for the same velocities");
+  }
   if (options.json) {
     print_json(loaded, &analysis);
   } else {
     print(stdout, analysis_text(*loaded.model, analysis, Style(stdout)));
   }
-  return kExitDone;
+  return analysis.rate_conflict ? kExitNotAssembled : kExitDone;
 }
 
 }  // namespace

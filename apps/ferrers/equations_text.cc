@@ -141,16 +141,17 @@ std::string constraints_text(const EquationsReport& report, const Style& style) 
 
 Names drive_names(const DynamicsModel& model) {
   Names names;
-  for (const DriveComponent& drive : model.drives) names.push_back(drive.name);
+  for (const int i : acting_drives(model)) names.push_back(model.drives[static_cast<std::size_t>(i)].name);
   return names;
 }
 
 std::string drives_text(const EquationsDocument& document, const Style& style) {
   const DynamicsModel& model = *document.dynamics;
   const EquationsReport& report = *document.report;
-  if (model.nu() == 0) return "";
+  const std::vector<int> acting = acting_drives(model);
+  if (acting.empty()) return "";
   Rows rows = {{"drive", "unit", "u", ""}};
-  for (int i = 0; i < model.nu(); ++i) {
+  for (const int i : acting) {
     const DriveComponent& drive = model.drives[static_cast<std::size_t>(i)];
     const std::string_view from = effort_source(model, report, i);
     const char* remark = from == "law"     ? "by its law"
@@ -176,7 +177,8 @@ std::string motion_text(const EquationsDocument& document, const Style& style) {
         {names[static_cast<std::size_t>(i)], entry(eq.h[i], largest_of(eq.h)), entry(eq.tau[i], largest_of(eq.tau))});
   }
   text += "\n" + table(rows, "  ", style);
-  text += matrix_text("B", eq.B_transposed.transpose(), names, drive_names(*document.dynamics), style);
+  text += matrix_text("B", eq.B_transposed(acting_drives(*document.dynamics), Eigen::all).transpose(), names,
+                      drive_names(*document.dynamics), style);
   return text + drives_text(document, style);
 }
 

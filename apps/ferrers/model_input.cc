@@ -71,7 +71,7 @@ SourceRange place_of(const ModelSpec& spec, const std::string& name) {
 std::string gap_text(const Model& model, const OpenJoint& open) {
   const bool coupling = std::any_of(model.couplings().begin(), model.couplings().end(),
                                     [&](const Coupling& one) { return one.name == open.name; });
-  if (coupling) return fmt::format("coupling '{}' is off by {}", open.name, number(open.angle_rad));
+  if (coupling) return fmt::format("'{}' is off by {}", open.name, number(open.angle_rad));
   return fmt::format("joint '{}' stays open by {} mm and {} degrees", open.name, number(1000 * open.gap_m),
                      number(open.angle_rad * 180 / std::numbers::pi));
 }

@@ -32,9 +32,10 @@ std::string positions_text(const System& system, const State& state, const Style
   return rows.size() > 1 ? "\n" + table(rows, "  ", style) : "";
 }
 
-std::string energy_text(const Energy& energy) {
-  return line("energy", fmt::format("{} J: gravity {} J, springs {} J", number(energy.total()), number(energy.gravity),
-                                    number(energy.elastic)));
+std::string energy_text(const DynamicsModel& model, const Energy& energy) {
+  const char* potential = model.lagrangian.energy.output_count() == 0 ? "gravity" : "gravity and V";
+  return line("energy", fmt::format("{} J: {} {} J, springs {} J", number(energy.total()), potential,
+                                    number(energy.gravity), number(energy.elastic)));
 }
 
 std::string stability_text(const StabilityVerdict& verdict, const Style& style) {
@@ -57,10 +58,11 @@ std::string stability_text(const StabilityVerdict& verdict, const Style& style) 
 
 std::string drives_text(const RestDocument& document, const Style& style) {
   const DynamicsModel& model = *document.dynamics;
-  if (model.nu() == 0) return "";
+  const std::vector<int> acting = acting_drives(model);
+  if (acting.empty()) return "";
   const HoldingResult* holding = document.holding;
   Rows rows = {{"drive", "effort", ""}};
-  for (int i = 0; i < model.nu(); ++i) {
+  for (const int i : acting) {
     const auto k = static_cast<std::size_t>(i);
     const double u = holding != nullptr ? holding->u[i] : document.equilibrium->u[i];
     std::string remark;
@@ -139,7 +141,7 @@ std::string equilibrium_text(const RestDocument& document, const Style& style) {
   const EquilibriumResult& rest = *document.equilibrium;
   std::string text =
       line("found", fmt::format("in {}, loads at t = {} s", counted(rest.steps, "step"), number(rest.state.t)));
-  text += stability_text(rest.stability, style) + energy_text(rest.energy);
+  text += stability_text(rest.stability, style) + energy_text(*document.dynamics, rest.energy);
   text +=
       line("balance", fmt::format("{} N left of {} N that act", rough(rest.residual_N), number(rest.force_scale_N)));
   return text + notices_text(rest.notices);
@@ -148,7 +150,7 @@ std::string equilibrium_text(const RestDocument& document, const Style& style) {
 std::string holding_text(const RestDocument& document) {
   const HoldingResult& held = *document.holding;
   std::string text = line("loads", fmt::format("at t = {} s", number(held.state.t)));
-  text += energy_text(held.energy);
+  text += energy_text(*document.dynamics, held.energy);
   for (const std::string& name : held.free_motion_names) {
     text += line("balanced only", "no drive resists: " + name);
   }

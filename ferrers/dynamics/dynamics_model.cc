@@ -224,6 +224,14 @@ FormulaEvaluation make_lagrangian_evaluation(const BoundLagrangian& bound) {
           std::vector<double>(static_cast<std::size_t>(outputs))};
 }
 
+std::vector<int> acting_drives(const DynamicsModel& model) {
+  std::vector<int> out;
+  for (int i = 0; i < model.nu(); ++i) {
+    if (model.drives[static_cast<std::size_t>(i)].acts) out.push_back(i);
+  }
+  return out;
+}
+
 FormulaEvaluation make_drive_evaluation(const DynamicsModel& model) {
   FormulaEvaluation largest;
   for (const DriveComponent& drive : model.drives) {

@@ -112,6 +112,9 @@ struct DynamicsModel {
 
 std::shared_ptr<const DynamicsModel> make_dynamics_model(std::shared_ptr<const System> system);
 
+/// The drives that act, as indices: all but the prescribed motions without one.
+std::vector<int> acting_drives(const DynamicsModel& model);
+
 /// Work space for `measure_drive`, enough for every drive of the model.
 FormulaEvaluation make_drive_evaluation(const DynamicsModel& model);
 

@@ -41,7 +41,13 @@ std::vector<std::string> coordinate_units(const System& system) {
   std::vector<std::string> units(static_cast<std::size_t>(system.nv));
   for (const Node& node : system.nodes) {
     for (int k = 0; k < node.nv; ++k) {
-      units[static_cast<std::size_t>(node.v + k)] = is_angular(node.type->coordinates[k].kind) ? "rad" : "m";
+      const auto v = static_cast<std::size_t>(node.v + k);
+      if (node.type == &kOtherCoordinate) {
+        const std::optional<JointId> coordinate = system.model->find_joint(system.coordinate_names[v]);
+        if (coordinate) units[v] = to_string(system.model->joint(*coordinate).dimension);
+      } else {
+        units[v] = is_angular(node.type->coordinates[k].kind) ? "rad" : "m";
+      }
     }
   }
   return units;

@@ -190,8 +190,19 @@ class Search {
     }
     tell_doubt();
     for (std::string& notice : passed_limits(system_, result_.state)) result_.notices.push_back(std::move(notice));
+    tell_moving_constraint(motion.equations().constraints);
     if (!model_.frictions.empty())
       result_.notices.emplace_back("dry friction is left out: it may hold other poses too");
+  }
+
+  // A constraint that moves by itself: the forces balance, but the pose does not stay.
+  void tell_moving_constraint(const ConstraintKinematics& constraints) {
+    const auto nu = constraints.nu.head(system_.m);
+    if (nu.isZero(0)) return;
+    long row = 0;
+    nu.cwiseAbs().maxCoeff(&row);
+    result_.notices.push_back("constraint '" + system_.row_names[static_cast<std::size_t>(row)] +
+                              "' moves by itself at this time: forces balance as if it stood still");
   }
 
   // The first decision tells what could move at all, the last one what is at rest.

@@ -74,10 +74,13 @@ void add_idle(const ReducedMotion& motion, const HoldingSystem& hold, const Matr
 }  // namespace
 
 std::vector<bool> holding_drives(const DynamicsModel& model) {
-  std::vector<bool> holds;
-  for (const DriveComponent& drive : model.drives) holds.push_back(drive.effort_is_sought());
+  std::vector<bool> holds, acts;
+  for (const DriveComponent& drive : model.drives) {
+    holds.push_back(drive.effort_is_sought());
+    acts.push_back(drive.acts);
+  }
   const bool any = std::find(holds.begin(), holds.end(), true) != holds.end();
-  return any ? holds : std::vector<bool>(holds.size(), true);
+  return any ? holds : acts;
 }
 
 std::string_view effort_unit(const DriveComponent& drive) { return !drive.has_unit ? "" : drive.rotary ? "N·m" : "N"; }

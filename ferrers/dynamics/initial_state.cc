@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 
+#include "ferrers/redundancy/rate_conflict.h"
 #include "ferrers/redundancy/selection.h"
 
 namespace ferrers {
@@ -76,6 +77,12 @@ InitialStateResult make_initial_state(const DynamicsModel& model, const Assembly
   compute_kinematics(model, result.state, eq);
   compute_mass_matrix(model, eq);
   const VelocityTargets targets = read_targets(model, result.state, eq, scaling);
+  if (const std::optional<RateConflict> conflict = find_rate_conflict(system, scaling, eq.constraints)) {
+    result.status = InitialStateStatus::kInconsistentVelocities;
+    result.residual = conflict->residual;
+    result.message = rate_conflict_message(*conflict);
+    return result;
+  }
   const VectorXd nu = scaling.rows.cwiseProduct(eq.constraints.nu.head(system.m));
   if (targets.d.isZero(0) && nu.isZero(0)) return result;  // at rest
 

@@ -92,20 +92,20 @@ MatrixXd without_noise(const ReducedDerivatives& d, MatrixXd A) {
   return A;
 }
 
-void add_matrices(const System& system, const ReducedMotion& motion, const ReducedDerivatives& d, const VectorXd& z,
-                  Linearization& out) {
+void add_matrices(const DynamicsModel& model, const ReducedMotion& motion, const ReducedDerivatives& d,
+                  const VectorXd& z, Linearization& out) {
   const long w = motion.w();
   out.M = motion.M();
   out.N = motion.N();
   out.K = {-d.force_s.value, d.force_s.error};
   out.C = {-d.force_v.value, d.force_v.error};
   out.A = MatrixXd::Zero(2 * w, 2 * w);
-  out.A.topLeftCorner(w, w) = turning(system, out.state.v, out.N, out.selection.independent);
+  out.A.topLeftCorner(w, w) = turning(*model.system, out.state.v, out.N, out.selection.independent);
   out.A.topRightCorner(w, w).setIdentity();
   out.A.bottomLeftCorner(w, w) = d.acceleration_s.value;
   out.A.bottomRightCorner(w, w) = d.acceleration_v.value;
   out.B = MatrixXd::Zero(2 * w, static_cast<long>(out.inputs.size()));
-  if (w > 0) out.B.bottomRows(w) = out.M.llt().solve(motion.B());
+  if (w > 0) out.B.bottomRows(w) = out.M.llt().solve(MatrixXd(motion.B()(Eigen::all, acting_drives(model))));
   out.drift.resize(2 * w);
   out.drift << out.state.v(out.selection.independent), z;
   if (w > 0) out.relative_error = estimate_error(out.M, d, out.A);
@@ -118,7 +118,7 @@ Linearization linearize(const DynamicsModel& model, const State& state) {
   const Scaling scaling = make_scaling(system);
   Linearization out;
   out.state = state;
-  for (const DriveComponent& drive : model.drives) out.inputs.push_back(drive.name);
+  for (const int i : acting_drives(model)) out.inputs.push_back(model.drives[static_cast<std::size_t>(i)].name);
   if (!model.unsupported.empty()) {
     fail(LinearizationStatus::kUnsupported, "not supported: " + model.unsupported.front(), out);
     return out;
@@ -148,7 +148,7 @@ Linearization linearize(const DynamicsModel& model, const State& state) {
          "this pose is singular: the motions through it have no linear system in independent coordinates", out);
     return out;
   }
-  add_matrices(system, motion, d, z, out);
+  add_matrices(model, motion, d, z, out);
   const double force = motion.force_scale(state);
   const StabilityVerdict verdict = judge_stability(out.K, motion.body_displacements(), out.M, force, scaling.length_m);
   out.at_rest = state.v.isZero(0);

@@ -8,6 +8,7 @@
 #include <map>
 
 #include "ferrers/dynamics/equilibrium.h"
+#include "ferrers/testing/build_checks.h"
 #include "ferrers/testing/engine_probe.h"
 #include "ferrers/testing/finite_difference.h"
 #include "ferrers/testing/random_mechanism.h"
@@ -276,6 +277,19 @@ TEST(LinearizationTest, SingularPosesAndMotionsWithoutInertiaAreSaid) {
   spec.bodies[0].mass = Number(0.0);
   const EngineProbe massless(spec);
   EXPECT_EQ(linearize(*massless.dynamics, massless.start()).status, LinearizationStatus::kSingularMass);
+}
+
+TEST(LinearizationTest, ConditionsOnVelocitiesAreRefusedByName) {
+  ModelSpec spec = make_pendulum();
+  ConstraintSpec held;
+  held.name = "held";
+  held.on_velocities = true;
+  held.formula = *formula(spec.joints[0].name.name + ".velocity").expression;
+  spec.constraints = {held};
+  const EngineProbe engine(spec);
+  const Linearization linear = linearize(*engine.dynamics, engine.start());
+  EXPECT_EQ(linear.status, LinearizationStatus::kUnsupported);
+  EXPECT_NE(linear.message.find("'held'"), std::string::npos) << linear.message;
 }
 
 }  // namespace

@@ -51,7 +51,7 @@ void add_decision(const EquationsReport& report, OrderedJson& out) {
 
 OrderedJson drive_values(const DynamicsModel& model, const EquationsReport& report, bool known) {
   OrderedJson out = OrderedJson::array();
-  for (int i = 0; i < model.nu(); ++i) {
+  for (const int i : acting_drives(model)) {
     const DriveComponent& drive = model.drives[static_cast<std::size_t>(i)];
     out.push_back({{"drive", drive.name},
                    {"unit", effort_unit(drive)},
@@ -74,7 +74,7 @@ void add_equations(const EquationsDocument& document, OrderedJson& out) {
   out["M"] = matrix_value(eq.M);
   out["h"] = vector_value(eq.h);
   out["tau"] = vector_value(eq.tau);
-  out["B"] = matrix_value(eq.B_transposed.transpose());
+  out["B"] = matrix_value(eq.B_transposed(acting_drives(*document.dynamics), Eigen::all).transpose());
   out["u"] = efforts_known ? vector_value(report.u) : OrderedJson();
   out["drives"] = drive_values(*document.dynamics, report, efforts_known);
 }

@@ -128,9 +128,9 @@ std::string motion_text(const EquationsDocument& document) {
   std::string out = "\\subsection*{(9) Motion: $M \\dot v + h = \\tau + B u + G^{\\mathsf T} \\lambda$}\n";
   out += matrix_block("M", eq.M);
   out += vectors_block("coordinate", report.coordinate_names, {"h", "\\tau"}, {cells(eq.h), cells(eq.tau)});
-  out += matrix_block("B", eq.B_transposed.transpose());
+  out += matrix_block("B", eq.B_transposed(acting_drives(*document.dynamics), Eigen::all).transpose());
   std::vector<std::string> names, efforts;
-  for (int i = 0; i < document.dynamics->nu(); ++i) {
+  for (const int i : acting_drives(*document.dynamics)) {
     const DriveComponent& drive = document.dynamics->drives[static_cast<std::size_t>(i)];
     const bool known = report.solved() || report.problem == EquationsProblem::kForward;
     names.push_back(drive.has_unit ? fmt::format("{} ({})", drive.name, drive.rotary ? "N m" : "N") : drive.name);

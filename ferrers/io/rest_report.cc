@@ -54,7 +54,7 @@ OrderedJson reaction_values(const Model& model, const std::vector<JointReaction>
 
 OrderedJson drive_values(const DynamicsModel& model, const VectorXd& u, const HoldingResult* holding) {
   OrderedJson all = OrderedJson::array();
-  for (int i = 0; i < model.nu(); ++i) {
+  for (const int i : acting_drives(model)) {
     const auto k = static_cast<std::size_t>(i);
     OrderedJson value;
     value["drive"] = model.drives[k].name;
@@ -180,7 +180,8 @@ void add_linearization(const Linearization& linear, const DynamicsModel& model, 
   out["in_equilibrium"] = linear.is_equilibrium;
   out["coordinates"] = coordinate_values(linear.coordinates, false);
   OrderedJson inputs = OrderedJson::array();
-  for (const DriveComponent& drive : model.drives) {
+  for (const int i : acting_drives(model)) {
+    const DriveComponent& drive = model.drives[static_cast<std::size_t>(i)];
     inputs.push_back({{"drive", drive.name}, {"unit", effort_unit(drive)}});
   }
   out["inputs"] = std::move(inputs);

@@ -354,6 +354,11 @@ void ModelAssembler::build_motions() {
     drive.name = model_.coordinate_name(*found);
     drive.coordinate = *found;
     drive.acts = false;
+    for (const Drive& other : model_.drives_) {
+      if (other.acts || !(other.coordinate == drive.coordinate)) continue;
+      diagnostics_.error("F302", ref.joint.at, fmt::format("'motions' prescribes '{}' twice", drive.name),
+                         "leave one of them out");
+    }
     drive.motion = drive_laws({motion}, LawScope::kOfTime, position_dimension(*found), drive, field);
     model_.drives_.push_back(std::move(drive));
   }

@@ -84,6 +84,36 @@ TEST(BuildFormulasTest, NamesMustNotClash) {
   EXPECT_EQ(build_codes(spec), Codes{"F302"});
 }
 
+TEST(BuildFormulasTest, NamesThatFormulasAndResultsUseAreNoCoordinates) {
+  for (const char* name : {"t", "energy", "pi", "sin"}) {
+    ModelSpec spec = system_of_two();
+    spec.lagrangian.coordinates[0].name = name;
+    spec.lagrangian.kinetic_energy = parsed("angle.velocity^2");
+    EXPECT_THAT(build_codes(spec), testing::Contains("F301")) << name;
+  }
+}
+
+TEST(BuildFormulasTest, RecordedFormulasAreToldApartFromOtherColumns) {
+  for (const char* name : {"x", "hinge", "t", "energy"}) {
+    ModelSpec spec = system_of_two();
+    RecordSpec record;
+    record.name = name;
+    record.formula = parsed("2*x");
+    spec.records.push_back(record);
+    EXPECT_EQ(build_codes(spec), Codes{"F302"}) << name;
+    spec.records.back().name = "twice";
+    EXPECT_EQ(build_codes(spec), Codes{});
+  }
+}
+
+TEST(BuildFormulasTest, ACoordinateMovesInOneWay) {
+  ModelSpec spec = system_of_two();
+  spec.motions = {{{NameRef("x"), ""}, law("t")}, {{NameRef("angle"), ""}, law("t")}};
+  EXPECT_EQ(build_codes(spec), Codes{});
+  spec.motions.push_back({{NameRef("x"), "position"}, law("2*t")});
+  EXPECT_EQ(build_codes(spec), Codes{"F302"});
+}
+
 TEST(BuildFormulasTest, EnergiesAreChecked) {
   ModelSpec spec = system_of_two();
   spec.lagrangian.potential_energy = parsed("x*angle.velocity");
@@ -113,6 +143,7 @@ TEST(BuildFormulasTest, DrivesByFormulasAreChecked) {
   EXPECT_EQ(build_codes(drive("x*cos(angle)")), Codes{});
   EXPECT_EQ(build_codes(drive("k")), Codes{"F329"});
   EXPECT_EQ(build_codes(drive("x.velocity")), Codes{"F329"});
+  EXPECT_EQ(build_codes(drive("x*(1 + t)")), Codes{"F329"});
   ModelSpec mapped = drive("x");
   mapped.drives[0].quantity.reset();
   mapped.drives[0].map = {{{NameRef("x"), ""}, parsed("1 + angle")}, {{NameRef("hinge"), ""}, parsed("2")}};

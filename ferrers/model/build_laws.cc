@@ -117,9 +117,11 @@ std::optional<LawInput> ModelAssembler::law_input(const ExpressionName& name, La
     } else if (hint.empty() && record_index_.count(name.name) != 0) {
       hint = fmt::format("the point's coordinates are '{0}.x', '{0}.y' and '{0}.z'", name.name);
     }
+    const bool has_coordinates = scope == LawScope::kOfState && model_.coordinates_begin_ < model_.joints_.size();
+    const char* coordinates = has_coordinates ? " nor a coordinate" : "";
     diagnostics_.error("F403", at,
-                       fmt::format("'{}' of '{}' uses '{}', which is neither 't' nor a parameter", field.key,
-                                   field.owner.name, name.name),
+                       fmt::format("'{}' of '{}' uses '{}', which is neither 't' nor a parameter{}", field.key,
+                                   field.owner.name, name.name, coordinates),
                        hint);
     return std::nullopt;
   }

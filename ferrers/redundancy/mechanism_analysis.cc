@@ -1,6 +1,20 @@
 #include "ferrers/redundancy/mechanism_analysis.h"
 
 namespace ferrers {
+namespace {
+
+ConstraintKinematics constraints_at_rest(const System& system, State state) {
+  state.v.setZero(system.nv);
+  PositionKinematics pos = make_position_kinematics(system);
+  VelocityKinematics vel = make_velocity_kinematics(system);
+  compute_positions(system, state.q, pos);
+  compute_velocities(system, pos, state.q, state.v, vel);
+  ConstraintKinematics out = make_constraint_kinematics(system);
+  compute_constraints(system, state, pos, vel, out);
+  return out;
+}
+
+}  // namespace
 
 MechanismAnalysis analyze_mechanism(const System& system) {
   MechanismAnalysis out;
@@ -15,6 +29,9 @@ MechanismAnalysis analyze_mechanism(const System& system) {
   out.preload = analyze_preload(system, state, report, out.closure.misfit);
   out.resultants = find_unique_resultants(system, state, report);
   out.releases = analyze_releases(system, state, report, {.permanence = &*out.permanence});
+  if (!system.velocity_rows.empty() || system.knows_time) {
+    out.rate_conflict = find_rate_conflict(system, make_scaling(system), constraints_at_rest(system, state));
+  }
   return out;
 }
 

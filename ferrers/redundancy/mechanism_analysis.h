@@ -5,6 +5,7 @@
 #include "ferrers/redundancy/contradiction.h"
 #include "ferrers/redundancy/permanence.h"
 #include "ferrers/redundancy/preload.h"
+#include "ferrers/redundancy/rate_conflict.h"
 #include "ferrers/redundancy/releases.h"
 #include "ferrers/redundancy/resultants.h"
 
@@ -24,6 +25,7 @@ struct MechanismAnalysis {
   std::optional<PreloadReport> preload;
   std::vector<UniqueResultant> resultants;
   std::optional<ReleaseReport> releases;
+  std::optional<RateConflict> rate_conflict;  ///< At t = 0.
 
   bool is_assembled() const {
     return closure.verdict == ClosureVerdict::kCloses || closure.verdict == ClosureVerdict::kElastic;

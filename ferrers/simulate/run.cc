@@ -141,7 +141,9 @@ bool Run::start() {
   for (int i = 0; i < model_->nu(); ++i) {
     const bool follows = std::find(driven_.begin(), driven_.end(), i) != driven_.end();
     if (!follows && !model_->drives[i].effort) {
-      summary_.notices.push_back(fmt::format("drive '{}' has no effort law: it does not act", model_->drives[i].name));
+      const char* why = model_->drives[i].acts ? "drive '{}' has no effort law: it does not act"
+                                               : "'motions' of '{}' is not followed: it is for the inverse problem";
+      summary_.notices.push_back(fmt::format(fmt::runtime(why), model_->drives[i].name));
     }
   }
   evaluator_.decide(state_, "start", summary_);
