@@ -25,6 +25,8 @@ ModelSpec example(const std::string& name) {
 
 class HandWrittenAndrews final : public LagrangianSystem {
  public:
+  int coordinates() const override { return 7; }
+  int constraints() const override { return 6; }
   void compute_constraints(EquationsOfMotion& eq) const override {
     const Numbers numbers = compute(eq);
     for (int i = 0; i < 6; ++i) {
@@ -157,6 +159,8 @@ TEST(LagrangianSystemTest, AnEvaluationOfTemplatesAllocatesNothing) {
 // A spring whose stiffness is a parameter of the model.
 class SpringOfParameter final : public LagrangianSystem {
  public:
+  int coordinates() const override { return 1; }
+  int constraints() const override { return 0; }
   void compute_constraints(EquationsOfMotion&) const override {}
   void compute_inertia(EquationsOfMotion& eq) const override { eq.M(0, 0) = 2; }
   void compute_forces(EquationsOfMotion& eq) const override { eq.tau[0] = -eq.parameters[0] * eq.q[0]; }
@@ -179,6 +183,26 @@ TEST(LagrangianSystemTest, FunctionsSeeTheParametersThatAreSet) {
     compute_equations(*dynamics, state, eq);
     EXPECT_DOUBLE_EQ(eq.M(0, 0), 2);
     EXPECT_DOUBLE_EQ(eq.force[0], -0.5 * k);
+  }
+}
+
+TEST(LagrangianSystemTest, NamesMustBeAsManyAsTheFunctionsFill) {
+  const ModelSpec right = with_functions(example("four-bar-points"), make_lagrangian_system(FourBarPoints()));
+  EXPECT_TRUE(build_model(right).model);
+  for (const int coordinates : {3, 4, 5}) {
+    for (const int constraints : {0, 3, 4, 5}) {
+      if (coordinates == 4 && constraints == 4) continue;
+      ModelSpec spec = right;
+      spec.lagrangian.coordinates.resize(static_cast<std::size_t>(coordinates), {"extra", kLength, {}, {}});
+      spec.lagrangian.function_constraints.resize(static_cast<std::size_t>(constraints), {"more"});
+      spec.records.clear();
+      spec.initial.clear();
+      spec.drives.clear();
+      const ModelBuildResult built = build_model(spec);
+      EXPECT_FALSE(built.model);
+      ASSERT_FALSE(built.diagnostics.items().empty());
+      EXPECT_EQ(built.diagnostics.items().front().code, "F337");
+    }
   }
 }
 

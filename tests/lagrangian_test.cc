@@ -8,6 +8,7 @@
 #include <functional>
 #include <string>
 
+#include "ferrers/dynamics/equilibrium.h"
 #include "ferrers/dynamics/inverse.h"
 #include "ferrers/dynamics/linearization.h"
 #include "ferrers/io/model_reader.h"
@@ -471,6 +472,75 @@ TEST(LagrangianTest, MotionsWithoutDrivesAreNoInputs) {
   EXPECT_EQ(linear.inputs, std::vector<std::string>{"d"});
   EXPECT_EQ(linear.B.cols(), 1);
   EXPECT_EQ(acting_drives(*engine.dynamics).size(), 1U);
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
+// What cannot be told is not told
+
+const char* const kRods = R"(
+gravity: [0, 0, 0]
+lagrangian:
+  coordinates: {x: m, y: {unit: m, guess: -0.8}}
+  kinetic_energy: "= x.velocity^2 + y.velocity^2"
+constraints: {rod: "= hypot(x, y) - 0.8", other: "= hypot(x, y) - 0.9"}
+)";
+
+TEST(LagrangianTest, ConstraintsThatContradictEachOtherAreToldWithWhatIsBetweenThem) {
+  const MechanismAnalysis analysis = analyze_mechanism(*EngineProbe(from_text(kRods)).system);
+  ASSERT_EQ(analysis.closure.verdict, ClosureVerdict::kContradictory);
+  ASSERT_EQ(analysis.closure.contradictions.size(), 1U);
+  const Contradiction& one = analysis.closure.contradictions.front();
+  EXPECT_FALSE(one.has_joints);
+  EXPECT_NEAR(one.misclosure, 0.1, 1e-6);
+  EXPECT_EQ(one.joints.size(), 2U);
+  EXPECT_NE(analysis.closure.text.find("the constraints 'rod' and 'other' miss each other by 0.1"), std::string::npos)
+      << analysis.closure.text;
+}
+
+const char* const kTurningWire = R"--(
+gravity: [0, 0, 0]
+lagrangian:
+  coordinates: {x: {unit: m, guess: 0.4}, y: m}
+  kinetic_energy: "= x.velocity^2 + y.velocity^2"
+constraints: {wire: "= y*cos(1.2*t) - x*sin(1.2*t)"}
+)--";
+
+TEST(LagrangianTest, OfAMovingConstraintNoStabilityAndNoFrequencyIsTold) {
+  const EngineProbe engine(from_text(kTurningWire));
+  for (const double t : {0.0, 0.6}) {
+    const State start = assemble(*engine.system, {.t = t}).state;
+    EXPECT_NEAR(start.q[1] * std::cos(1.2 * t), start.q[0] * std::sin(1.2 * t), 1e-12);  // closed at its own time
+    const EquilibriumResult rest = solve_equilibrium(*engine.dynamics, start, {.t = t});
+    ASSERT_EQ(rest.status, EquilibriumStatus::kFound);
+    EXPECT_EQ(rest.stability.stability, Stability::kUnknown);
+    ASSERT_EQ(rest.notices.size(), 1U);
+    EXPECT_NE(rest.notices[0].find("'wire' moves by itself"), std::string::npos);
+    EXPECT_EQ(linearize(*engine.dynamics, start).status, LinearizationStatus::kUnsupported);
+  }
+}
+
+TEST(LagrangianTest, WhereConditionsOnVelocitiesComeToRestIsNotTold) {
+  const EngineProbe engine(from_text(plane_with(R"(edge: {velocity: "= sin(h)*x.velocity - cos(h)*y.velocity"})")));
+  const EquilibriumResult rest = solve_equilibrium(*engine.dynamics, engine.start());
+  EXPECT_EQ(rest.status, EquilibriumStatus::kUnsupported);
+  EXPECT_NE(rest.message.find("'edge'"), std::string::npos) << rest.message;
+}
+
+TEST(LagrangianTest, AnEnergyWithoutAValueEndsTheRun) {
+  const ModelSpec spec = from_text(R"--(
+lagrangian:
+  coordinates: {x: {unit: m, guess: 0.5}}
+  kinetic_energy: "= x.velocity^2"
+  potential_energy: "= 3*x + log(x/0.1)"
+)--");
+  const ProbedRun run = probe_run(spec, plain_run(3, 0.01));
+  EXPECT_EQ(run.summary.status, RunStatus::kStepTooSmall);
+  ModelSpec bad = spec;
+  bad.lagrangian.coordinates[0].guess = Number(-0.5);
+  const ProbedRun from_the_start = probe_run(bad, plain_run(3, 0.01));
+  EXPECT_EQ(from_the_start.summary.status, RunStatus::kStepTooSmall);
+  EXPECT_NE(from_the_start.summary.message.find("energy has no finite value"), std::string::npos)
+      << from_the_start.summary.message;
 }
 
 }  // namespace

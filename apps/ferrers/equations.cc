@@ -72,7 +72,7 @@ int conclude(const EquationsReport& found, LoadedModel& loaded) {
       report(loaded, "F508", {}, found.message, "without --inverse the efforts are taken by their laws");
       return kExitModel;
     case EquationsStatus::kSingularMass:
-      report(loaded, "F505", {}, found.message, "give the bodies that move a mass");
+      report(loaded, "F505", {}, found.message, "give what moves there a mass");
       return kExitSolve;
     case EquationsStatus::kUndeterminedFriction:
       report(loaded, "F509", {}, found.message, "give the joints a 'stiffness', or leave their friction out");
@@ -88,7 +88,7 @@ int run(const Options& options) {
     return command_line_error(fmt::format("--latex={}: it is --latex or --latex=fragment", options.latex));
   }
   if (!options.latex.empty() && options.model.json) return command_line_error("--latex and --json: take one of them");
-  RestStart start = load_at_rest(options.model);
+  RestStart start = load_at_rest(options.model, options.run.empty() ? options.t.value_or(0) : 0);
   if (start.exit_code == kExitDone && !options.run.empty() && !take_stored_state(options, start)) {
     start.exit_code = kExitModel;
   }
@@ -99,7 +99,6 @@ int run(const Options& options) {
   if (const std::string error = write_model_if_asked(options.model, start.loaded); !error.empty()) {
     return command_line_error(error);
   }
-  if (options.run.empty()) start.state.t = options.t.value_or(0);
   EquationsReport found = analyze_equations(start.dynamics, start.state,
                                             options.inverse ? EquationsProblem::kInverse : EquationsProblem::kForward);
   if (!options.run.empty() && !start.dynamics->events.empty()) {

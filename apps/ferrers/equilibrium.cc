@@ -69,8 +69,11 @@ int find(const Options& options, RestStart& start) {
       }
     }
   } else {
-    report(start.loaded, "F512", {}, rest.equilibrium->message,
-           "what nothing holds needs a spring, a stop or a drive; or start elsewhere with 'initial' positions");
+    const bool unsupported = rest.equilibrium->status == EquilibriumStatus::kUnsupported;
+    report(start.loaded, unsupported ? "F509" : "F512", {}, rest.equilibrium->message,
+           unsupported
+               ? ""
+               : "what nothing holds needs a spring, a stop or a drive; or start elsewhere with 'initial' positions");
   }
   tell(options, start, rest, found);
   return found ? kExitDone : kExitSolve;
@@ -93,7 +96,7 @@ int hold(const Options& options, RestStart& start) {
 }
 
 int run(const Options& options) {
-  RestStart start = load_at_rest(options.model);
+  RestStart start = load_at_rest(options.model, options.t);
   if (start.exit_code != kExitDone) {
     tell(options, start, {}, false);
     return start.exit_code;

@@ -52,9 +52,16 @@ int run(const Options& options) {
   }
   const Linearization linear = linearize(*start.dynamics, start.state);
   if (linear.status != LinearizationStatus::kDone) {
-    report(start.loaded, linear.status == LinearizationStatus::kSingularMass ? "F505" : "F514", {}, linear.message,
-           linear.status == LinearizationStatus::kSingularMass ? "give the bodies that move a mass"
-                                                               : "take a pose beside it in 'initial'");
+    const bool unsupported = linear.status == LinearizationStatus::kUnsupported;
+    const bool massless = linear.status == LinearizationStatus::kSingularMass;
+    report(start.loaded,
+           unsupported ? "F509"
+           : massless  ? "F505"
+                       : "F514",
+           {}, linear.message,
+           unsupported ? ""
+           : massless  ? "give what moves there a mass"
+                       : "take a pose beside it in 'initial'");
   }
   tell(options, start, &linear);
   return linear.status == LinearizationStatus::kDone ? kExitDone : kExitSolve;

@@ -4,7 +4,7 @@
 
 using namespace ferrers;  // NOLINT(google-build-using-namespace)
 
-RestStart load_at_rest(const ModelOptions& options) {
+RestStart load_at_rest(const ModelOptions& options, double t) {
   RestStart start;
   start.loaded = load_model(options);
   start.exit_code = kExitModel;
@@ -18,7 +18,7 @@ RestStart load_at_rest(const ModelOptions& options) {
     report(start.loaded, "F509", {}, "not supported: " + start.dynamics->unsupported.front());
     return start;
   }
-  const InitialStateResult initial = make_initial_state(*start.dynamics);
+  const InitialStateResult initial = make_initial_state(*start.dynamics, {.t = t});
   start.exit_code = kExitNotAssembled;
   if (initial.status == InitialStateStatus::kNotAssembled) {
     report_open(start.loaded, initial.assembly);

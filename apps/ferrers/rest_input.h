@@ -12,4 +12,4 @@ struct RestStart {
   ferrers::State state;
   int exit_code = 0;  ///< Other than kExitDone: what is wrong was reported, `state` is not valid.
 };
-RestStart load_at_rest(const ModelOptions& options);
+RestStart load_at_rest(const ModelOptions& options, double t = 0);

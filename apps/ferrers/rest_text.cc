@@ -40,7 +40,7 @@ std::string energy_text(const DynamicsModel& model, const Energy& energy) {
 
 std::string stability_text(const StabilityVerdict& verdict, const Style& style) {
   if (verdict.stability == Stability::kUnknown) {
-    return line("stability", style.yellow("unknown: this pose is singular, its motions have no stiffness"));
+    return line("stability", style.yellow("not told: this pose is singular or a constraint moves by itself"));
   }
   std::string text(to_string(verdict.stability));
   const auto add = [&](int count, std::string_view what) {

@@ -183,7 +183,7 @@ class Search {
     result_.lambda = motion.rest_multipliers(motion.equations().force);
     result_.energy = compute_energy(model_, result_.state, motion.equations().pos, motion.equations().vel);
     result_.force_scale_N = motion.force_scale(result_.state);
-    if (derivatives.valid) {
+    if (derivatives.valid && !moves_by_itself(motion.equations().constraints)) {
       result_.stiffness = {-derivatives.force_s.value, derivatives.force_s.error};
       result_.stability = judge_stability(result_.stiffness, motion.body_displacements(), motion.M(),
                                           result_.force_scale_N, scaling_.length_m);
@@ -197,12 +197,16 @@ class Search {
 
   // A constraint that moves by itself: the forces balance, but the pose does not stay.
   void tell_moving_constraint(const ConstraintKinematics& constraints) {
-    const auto nu = constraints.nu.head(system_.m);
-    if (nu.isZero(0)) return;
+    if (!moves_by_itself(constraints)) return;
     long row = 0;
-    nu.cwiseAbs().maxCoeff(&row);
-    result_.notices.push_back("constraint '" + system_.row_names[static_cast<std::size_t>(row)] +
-                              "' moves by itself at this time: forces balance as if it stood still");
+    constraints.nu.head(system_.m).cwiseAbs().maxCoeff(&row);
+    result_.notices.push_back(
+        "constraint '" + system_.row_names[static_cast<std::size_t>(row)] +
+        "' moves by itself at this time: forces balance as if it stood still; whether the pose is "
+        "stable is not told");
+  }
+  bool moves_by_itself(const ConstraintKinematics& constraints) const {
+    return !constraints.nu.head(system_.m).isZero(0);
   }
 
   // The first decision tells what could move at all, the last one what is at rest.
@@ -241,11 +245,24 @@ class Search {
 }  // namespace
 
 EquilibriumResult solve_equilibrium(const DynamicsModel& model, const State& start, const EquilibriumOptions& options) {
-  if (model.unsupported.empty()) return Search(model, start, options).run();
   EquilibriumResult result;
   result.status = EquilibriumStatus::kUnsupported;
   result.state = start;
-  result.message = "not supported: " + model.unsupported.front();
+  if (!model.unsupported.empty()) {
+    result.message = "not supported: " + model.unsupported.front();
+    return result;
+  }
+  if (!model.system->velocity_rows.empty()) {
+    result.message = "not supported: which poses the constraint '" +
+                     model.system->row_names[static_cast<std::size_t>(model.system->velocity_rows.front())] +
+                     "' on velocities lets it come to rest in depends on the way there";
+    return result;
+  }
+  result = Search(model, start, options).run();
+  if (result.status == EquilibriumStatus::kFound && !std::isfinite(result.energy.total())) {
+    result.status = EquilibriumStatus::kNotFound;
+    result.message = "the energy has no finite value in the pose that was found";
+  }
   return result;
 }
 

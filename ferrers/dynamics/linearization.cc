@@ -130,6 +130,12 @@ Linearization linearize(const DynamicsModel& model, const State& state) {
          out);
     return out;
   }
+  if (system.knows_time) {
+    fail(LinearizationStatus::kUnsupported,
+         "not supported: a constraint moves by itself, so that no system with fixed coefficients describes the motion",
+         out);
+    return out;
+  }
   Equations eq = make_equations(model);
   compute_kinematics(model, state, eq);
   RankDecision decision;

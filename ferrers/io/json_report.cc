@@ -160,7 +160,9 @@ OrderedJson contradiction_values(const ContradictionReport& closure) {
       joints.push_back(OrderedJson{{"joint", gap.joint}, {"gap_m", gap.gap_m}, {"angle_rad", gap.angle_rad}});
     }
     all.push_back(OrderedJson{{"misclosure", one.misclosure},
-                              {"unit", one.angular ? "rad" : "m"},
+                              {"unit", !one.has_joints ? ""
+                                       : one.angular   ? "rad"
+                                                       : "m"},
                               {"residual_m", one.residual_m},
                               {"joints", std::move(joints)}});
   }

@@ -218,6 +218,7 @@ AssemblyResult assemble(const System& system, const AssemblyOptions& options) {
   const Scaling scaling = make_scaling(system);
   InitialValues initial = options.use_initial ? read_initial_values(system) : InitialValues();
   result.state = make_drawn_state(system);
+  result.state.t = options.t;
   initial.apply_guesses(system, result.state);
 
   // Held coordinates walk to their values, the loops following, so that the branch is the drawn one.

@@ -33,11 +33,12 @@ struct AssemblyOptions {
   int max_iterations = 200;  ///< Per attempt.
   int attempts = 24;         ///< Kicked restarts where it stays open.
   unsigned seed = 1;
+  double t = 0;  ///< Time at which constraints that move are to close, s.
 };
 
 struct AssemblyResult {
   AssemblyStatus status = AssemblyStatus::kOpen;
-  State state;                         ///< At rest, t = 0.
+  State state;                         ///< At rest, at the time asked for.
   double residual = 0;                 ///< Largest scaled residual, m.
   std::vector<OpenJoint> open_joints;  ///< Largest first.
   int iterations = 0;

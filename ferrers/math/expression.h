@@ -119,6 +119,9 @@ Expression sum_of(std::span<const Expression> terms);
 /// whole powers are products. Mass matrix, forces, constraints, Jacobian and gamma of Andrews' squeezer, differentiated
 /// from its energies, take 0.31 µs, and 0.15 µs by hand (bench/expression_bench.cc).
 ///
+/// On processors with AVX the code of all but the smallest programs is native, with the same bits as result; elsewhere,
+/// or where memory may not be executed, it is interpreted.
+///
 /// Evaluation allocates nothing: its registers stand on the stack. (Beyond 16384 registers, which takes thousands of
 /// outputs or a hostile formula, they are allocated.) Copies share the code; evaluation from several threads is safe.
 class ExpressionProgram {
@@ -136,6 +139,9 @@ class ExpressionProgram {
 
   /// Writes `output_count()` values, in the order of the formulas. `outputs` may be the same array as `inputs`.
   void evaluate(const double* inputs, double* outputs) const;
+
+  bool is_native() const;
+  ExpressionProgram interpreted() const;  ///< The same without native code.
 
   int output_count() const;
   int register_count() const;

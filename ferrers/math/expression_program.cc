@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <functional>
 #include <stdexcept>
 #include <string_view>
 #include <unordered_map>
@@ -8,6 +9,7 @@
 #include "ferrers/math/expression.h"
 #include "ferrers/math/expression_code.h"
 #include "ferrers/math/expression_graph.h"
+#include "ferrers/math/expression_machine.h"
 #include "ferrers/math/expression_node.h"
 
 namespace ferrers {
@@ -37,32 +39,39 @@ class InputNumbers {
   std::unordered_map<std::string_view, int> index_;
 };
 
-/// Calls `use` with the registers filled, which stand on the stack up to a bound.
+/// Calls `use` with room for `size` doubles, on the stack up to a bound.
 template <class Use>
-auto with_registers(const ExpressionCode& code, const double* inputs, Use use) {
-  const auto executed = [&](double* registers) {
-    code.execute(inputs, registers);
-    return use(static_cast<const double*>(registers));
-  };
+auto with_room(int size, Use use) {
   constexpr int kSmall = 256, kMiddle = 2048, kLarge = 16384;
-  if (code.register_count <= kSmall) {
-    double registers[kSmall];
-    return executed(registers);
+  if (size <= kSmall) {
+    double room[kSmall];
+    return use(room);
   }
-  if (code.register_count <= kMiddle) {
-    double registers[kMiddle];
-    return executed(registers);
+  if (size <= kMiddle) {
+    double room[kMiddle];
+    return use(room);
   }
-  if (code.register_count <= kLarge) {
-    double registers[kLarge];
-    return executed(registers);
+  if (size <= kLarge) {
+    double room[kLarge];
+    return use(room);
   }
-  return executed(std::vector<double>(static_cast<std::size_t>(code.register_count)).data());
+  return use(std::vector<double>(static_cast<std::size_t>(size)).data());
 }
+
+constexpr int kWorthMachineCode = 12;  // steps, from which on it pays to make native code
 
 }  // namespace
 
-struct ExpressionProgram::Code : ExpressionCode {};
+struct ExpressionProgram::Code : ExpressionCode {
+  /// Native code writes an output as soon as it has it: it cannot do so over inputs that it still needs.
+  bool overlap(const double* from, const double* to) const {
+    const std::less<const double*> before;
+    return before(from, to + outputs.size()) && before(to, from + inputs_end);
+  }
+
+  ExpressionMachine machine;  // where there is one
+  int inputs_end = 0;         // after the last input that is read
+};
 
 ExpressionProgram::ExpressionProgram() : ExpressionProgram(Expression(), {}) {}
 
@@ -84,7 +93,20 @@ ExpressionProgram::ExpressionProgram(std::span<const Expression> outputs, std::s
     }
     roots.push_back(graph.add(tree, input_of_text));
   }
-  code_ = std::make_shared<const Code>(Code{compile_expressions(graph, roots)});
+  Code code{compile_expressions(graph, roots), {}};
+  for (const int input : code.inputs) code.inputs_end = std::max(code.inputs_end, input + 1);
+  if (code.step_count >= kWorthMachineCode) code.machine = assemble_expressions(graph, roots);
+  code_ = std::make_shared<const Code>(std::move(code));
+}
+
+bool ExpressionProgram::is_native() const { return code_->machine.function != nullptr; }
+
+ExpressionProgram ExpressionProgram::interpreted() const {
+  ExpressionProgram out;
+  Code code = *code_;
+  code.machine = {};
+  out.code_ = std::make_shared<const Code>(std::move(code));
+  return out;
 }
 
 int ExpressionProgram::register_count() const { return code_->register_count; }
@@ -93,11 +115,18 @@ int ExpressionProgram::output_count() const { return static_cast<int>(code_->out
 
 double ExpressionProgram::evaluate(const double* inputs) const {
   require(code_->outputs.size() == 1, "ExpressionProgram::evaluate: the program has not one output");
-  return with_registers(*code_, inputs, [&](const double* registers) { return registers[code_->outputs.front()]; });
+  double output;
+  evaluate(inputs, &output);
+  return output;
 }
 
 void ExpressionProgram::evaluate(const double* inputs, double* outputs) const {
-  with_registers(*code_, inputs, [&](const double* registers) {
+  if (is_native() && !code_->overlap(inputs, outputs)) {
+    with_room(code_->machine.scratch_size, [&](double* scratch) { code_->machine.function(inputs, outputs, scratch); });
+    return;
+  }
+  with_room(code_->register_count, [&](double* registers) {
+    code_->execute(inputs, registers);
     for (const int place : code_->outputs) *outputs++ = registers[place];
   });
 }

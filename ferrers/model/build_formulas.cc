@@ -211,9 +211,17 @@ void ModelAssembler::build_function_system() {
                        "leave one of them out; constraints by formulas may be added");
     return;
   }
+  const int n = static_cast<int>(spec.coordinates.size());
+  const int m = static_cast<int>(spec.function_constraints.size());
+  if (n != spec.system->coordinates() || m != spec.system->constraints()) {
+    diagnostics_.error("F337", spec.at,
+                       fmt::format("the functions are of {} coordinates and {} constraints, but {} and {} are named",
+                                   spec.system->coordinates(), spec.system->constraints(), n, m),
+                       "name every one of them, in the functions' order");
+    return;
+  }
   Lagrangian& lagrangian = model_.lagrangian_;
   lagrangian.system = spec.system;
-  const int n = static_cast<int>(spec.coordinates.size());
   for (int k = 0; k < n; ++k) {
     const StateScalar scalar{{JointId(model_.coordinates_begin_ + static_cast<std::size_t>(k)), 0}};
     lagrangian.scalars.push_back(scalar);

@@ -37,6 +37,8 @@ struct EquationsOfMotion {
 class LagrangianSystem {
  public:
   virtual ~LagrangianSystem() = default;
+  virtual int coordinates() const = 0;  ///< n
+  virtual int constraints() const = 0;  ///< m
   /// phi, G, nu, gamma. Rows of constraints that hold for velocities only have phi = 0.
   virtual void compute_constraints(EquationsOfMotion& eq) const = 0;
   virtual void compute_inertia(EquationsOfMotion& eq) const = 0;  ///< M and h.

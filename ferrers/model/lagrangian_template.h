@@ -28,6 +28,9 @@ class LagrangianByDuals final : public LagrangianSystem {
  public:
   explicit LagrangianByDuals(System system) : system_(std::move(system)) {}
 
+  int coordinates() const override { return kN; }
+  int constraints() const override { return kM; }
+
   void compute_constraints(EquationsOfMotion& eq) const override {
     if constexpr (kM > 0) {
       Point x = point(eq);

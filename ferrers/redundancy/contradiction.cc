@@ -69,9 +69,18 @@ Contradiction describe(const System& system, const AllRows& rows, double length,
     force = std::max(force, f);
     moment = std::max(moment, m);
   }
-  out.angular = is_negligible(force, moment / length);
-  const double unit = out.angular ? moment : force;
-  const double largest = std::max(force, moment / length);
+  const std::size_t joints = fit.gaps.size();
+  double coupled = 0, coupled_scaled = 0;  // largest multiplier of couplings and constraints
+  for (std::size_t c = joints; c < rows.first.size(); ++c) {
+    const double stress = std::abs(fit.joint_stress[rows.first[c]]);
+    coupled = std::max(coupled, stress);
+    coupled_scaled = std::max(coupled_scaled, stress / rows.scale[rows.first[c]]);
+  }
+  const double of_joints = std::max(force, moment / length);
+  out.has_joints = coupled == 0 || !is_negligible(of_joints, coupled_scaled);
+  out.angular = out.has_joints && is_negligible(force, moment / length);
+  const double unit = !out.has_joints ? coupled : out.angular ? moment : force;
+  const double largest = std::max(of_joints, coupled_scaled);
   const auto is_loaded = [&](double load) {  // more than the rounding of phi can do
     return !is_negligible(load, largest) && std::abs(load) * fit.residual > kWorthAFit * length * largest;
   };
@@ -85,7 +94,6 @@ Contradiction describe(const System& system, const AllRows& rows, double length,
     if (!is_loaded(std::max(f, m / length))) continue;
     out.joints.push_back({system.model->joints()[j].name, gaps[j].head<3>().norm(), gaps[j].tail<3>().norm()});
   }
-  const std::size_t joints = fit.gaps.size();
   for (std::size_t c = joints; c < rows.first.size(); ++c) {
     const double load = fit.joint_stress[rows.first[c]] / rows.scale[rows.first[c]];
     if (!is_loaded(load)) continue;
@@ -138,33 +146,37 @@ std::string reading_if_closed(const ContradictionReport& report) {
 void write_text(ContradictionReport& report) {
   if (report.contradictions.empty() || (report.verdict == ClosureVerdict::kCloses && report.confident)) return;
   const Contradiction& worst = report.contradictions.front();
-  const std::string size = worst.angular ? angle_text(worst.misclosure) : length_text(worst.misclosure);
+  const std::string size = !worst.has_joints ? fmt::format("{:.3g}", worst.misclosure)
+                           : worst.angular   ? angle_text(worst.misclosure)
+                                             : length_text(worst.misclosure);
   std::string others;
   if (report.contradictions.size() > 1) {
     const std::size_t more = report.contradictions.size() - 1;
     others = fmt::format(", {} more {} too", more, more == 1 ? "loop does" : "loops do");
   }
-  const std::string joints = quoted(worst.joints);
+  const std::string joints =
+      (worst.has_joints ? "the loop through joints " : "the constraints ") + quoted(worst.joints);
+  const char* misses = worst.has_joints ? "misses closing by" : "miss each other by";
+  const char* subject = worst.has_joints ? "the geometry contradicts itself" : "the constraints contradict each other";
   if (report.verdict == ClosureVerdict::kElastic) {
-    report.text = fmt::format("the loop through joints {} misses closing by {}{}; the joints' stiffness takes it up",
-                              joints, size, others);
+    report.text = fmt::format("{} {} {}{}; the joints' stiffness takes it up", joints, misses, size, others);
     return;
   }
   if (report.verdict == ClosureVerdict::kCloses) {
-    report.text = fmt::format(
-        "the loop through joints {} closes but for {}{}: taken as rounding, it has {}; taken as meant, the geometry "
-        "contradicts itself",
-        joints, size, others, reading_if_closed(report));
+    report.text = fmt::format("{} {} {}{}: taken as rounding, there is {}; taken as meant, {}", joints,
+                              worst.has_joints ? "closes but for" : "agree but for", size, others,
+                              reading_if_closed(report), subject);
   } else if (report.confident) {
-    report.text = fmt::format(
-        "the geometry contradicts itself: the loop through joints {} misses closing by {} in the best pose{}", joints,
-        size, others);
+    report.text = fmt::format("{}: {} {} {} in the best pose{}", subject, joints, misses, size, others);
     if (report.if_closed.confident) report.text += "; if it closed it would have " + reading_if_closed(report);
   } else {
-    report.text = fmt::format(
-        "the geometry contradicts itself, or its numbers are rounded: the loop through joints {} misses closing by {} "
-        "in the best pose{}; closed exactly it would have {}",
-        joints, size, others, reading_if_closed(report));
+    report.text =
+        fmt::format("{}, or its numbers are rounded: {} {} {} in the best pose{}; closed exactly it would have {}",
+                    subject, joints, misses, size, others, reading_if_closed(report));
+  }
+  if (!worst.has_joints) {
+    report.hint = "let them agree, or leave one of them out";
+    return;
   }
   report.hint = report.confident ? "make the dimensions round the loop agree, or free one of these joints"
                                  : "give the dimensions with more digits, or compute them from parameters";

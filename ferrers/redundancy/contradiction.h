@@ -36,10 +36,11 @@ struct JointGap {
 
 /// What one cluster of loops misses.
 struct Contradiction {
-  bool angular = false;   ///< The self-stress is of moments only: `misclosure` is in rad, else in m.
-  double misclosure = 0;  ///< zᵀ phi > 0.
-  VectorXd self_stress;   ///< z, all joints' rows, SI: the largest force in a joint 1 N (if angular, moment 1 N·m).
-  double residual_m = 0;  ///< Least root of the sum of squares of all joints' gaps, angles times L.
+  bool angular = false;    ///< The self-stress is of moments only: `misclosure` is in rad, else in m.
+  bool has_joints = true;  ///< False: couplings and constraints only, `misclosure` in their own unit.
+  double misclosure = 0;   ///< zᵀ phi > 0.
+  VectorXd self_stress;    ///< z, all joints' rows, SI: the largest force in a joint 1 N (if angular, moment 1 N·m).
+  double residual_m = 0;   ///< Least root of the sum of squares of all joints' gaps, angles times L.
   std::vector<JointGap> joints;  ///< Those that the self-stress loads, in the order of the file.
 };
 

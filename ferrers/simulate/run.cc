@@ -226,7 +226,7 @@ bool Run::solved(ForwardStatus status) {
   if (status == ForwardStatus::kSingularMass) {
     return fail(RunStatus::kSingularMass,
                 fmt::format("the mass matrix is singular on the admissible motions at t = {:g} s: some motion moves no "
-                            "mass; give the bodies that it moves a mass or an inertia",
+                            "mass; give what it moves a mass or an inertia",
                             state_.t));
   }
   if (!evaluator_.friction_problem().empty()) {
@@ -506,6 +506,11 @@ bool Run::record(const State& state, const VectorXd& vdot, bool solved) {
                                              options_.with_reactions && solved);
   if (const std::string reason = refused_range(recorder_.distribution()); !reason.empty()) {
     return fail(RunStatus::kUnsupported, reason);
+  }
+  if (!std::isfinite(sample.energy) && evaluator_.model().massless_bodies.empty()) {
+    return fail(
+        RunStatus::kStepTooSmall,
+        fmt::format("the energy has no finite value at t = {:g} s: some formula of it is not defined there", state.t));
   }
   energy_ = sample.energy;
   elastic_ = sample.elastic_energy;
