@@ -117,7 +117,7 @@ Expression sum_of(std::span<const Expression> terms);
 ///
 /// Each value is that of the formula's operations as they are written, to the last bit (but for the sign of NaN); small
 /// whole powers are products. Mass matrix, forces, constraints, Jacobian and gamma of Andrews' squeezer, differentiated
-/// from its energies, take 0.31 µs, and 0.15 µs by hand (bench/expression_bench.cc).
+/// from its energies, take 0.17 µs, and 0.15 µs by hand (bench/expression_bench.cc).
 ///
 /// On processors with AVX the code of all but the smallest programs is native, with the same bits as result; elsewhere,
 /// or where memory may not be executed, it is interpreted.

@@ -163,9 +163,9 @@ void write_text(ContradictionReport& report) {
     return;
   }
   if (report.verdict == ClosureVerdict::kCloses) {
-    report.text = fmt::format("{} {} {}{}: taken as rounding, there is {}; taken as meant, {}", joints,
+    report.text = fmt::format("{} {} {}{}: taken as rounding, {} {}; taken as meant, {}", joints,
                               worst.has_joints ? "closes but for" : "agree but for", size, others,
-                              reading_if_closed(report), subject);
+                              worst.has_joints ? "it has" : "there is", reading_if_closed(report), subject);
   } else if (report.confident) {
     report.text = fmt::format("{}: {} {} {} in the best pose{}", subject, joints, misses, size, others);
     if (report.if_closed.confident) report.text += "; if it closed it would have " + reading_if_closed(report);
