@@ -52,7 +52,7 @@ def main():
     commands = json.loads((build / "compile_commands.json").read_text(encoding="utf-8"))
     cache = {"config": (sources.ROOT / ".clang-tidy").read_text(encoding="utf-8")}
     only = {pathlib.Path(name).resolve() for name in options.files}
-    waiting, remembered = [], 0
+    waiting, remembered, known = [], 0, set()
     for entry in commands:
         path = pathlib.Path(entry["directory"], entry["file"]).resolve()
         try:
@@ -61,6 +61,9 @@ def main():
             continue
         if sources.is_test(name) or not name.startswith(("ferrers/", "apps/")) or (only and path not in only):
             continue
+        if path in known:  # compiled once more, under sanitizers
+            continue
+        known.add(path)
         mark = memory / digest(path, entry["command"], cache)
         if mark.exists():
             remembered += 1
