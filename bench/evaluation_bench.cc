@@ -6,6 +6,7 @@
 
 #include <string>
 
+#include "ferrers/dynamics/forward_program.h"
 #include "ferrers/redundancy/selection.h"
 #include "ferrers/testing/engine_probe.h"
 #include "ferrers/testing/zoo.h"
@@ -44,6 +45,46 @@ void measure_equations(benchmark::State& run, const ModelSpec& spec) {
   run.counters["rows"] = subject.engine.system->m;
 }
 
+// In the order that suits the last equations.
+SparseKkt chosen_order(const EngineProbe& engine) {
+  KktStructure structure = make_kkt_structure(*engine.system, engine.selection.rows);
+  take_values(engine.selection.rows, engine.eq.constraints.G, structure);
+  return {structure, engine.selection.rows, engine.scaling.columns};
+}
+
+// Equations and solution as one piece of native code.
+void measure_program(benchmark::State& run, const ModelSpec& spec) {
+  Subject subject(spec);
+  EngineProbe& engine = subject.engine;
+  const SparseKkt kkt = chosen_order(engine);
+  const ForwardProgram program(*engine.dynamics, kkt, ForwardProgram::Extent::kAccelerations);
+  if (!program.is_native()) return run.SkipWithError("no native code on this processor");
+  Kernel::Board board = program.make_board();
+  ForwardResult result = make_forward_result(engine.eq);
+  const VectorXd applied = VectorXd::Zero(engine.system->nv);
+  ForwardProgram::Watched watched;
+  ForwardStatus status = ForwardStatus::kSolved;
+  for (auto _ : run) {
+    status = program.evaluate(subject.state, applied, board, result, watched);
+    benchmark::DoNotOptimize(result.lambda.data());
+    benchmark::DoNotOptimize(result.vdot.data());
+  }
+  if (status != ForwardStatus::kSolved) run.SkipWithError("not solved");
+  run.counters["bytes"] = static_cast<double>(program.code_bytes());
+  run.counters["shared"] = program.shared_part();
+}
+
+// What writing such a program costs.
+void measure_compilation(benchmark::State& run, const ModelSpec& spec) {
+  Subject subject(spec);
+  EngineProbe& engine = subject.engine;
+  const SparseKkt kkt = chosen_order(engine);
+  for (auto _ : run) {
+    const ForwardProgram program(*engine.dynamics, kkt, ForwardProgram::Extent::kAccelerations);
+    benchmark::DoNotOptimize(program.code_bytes());
+  }
+}
+
 // `whole`: the equations too.
 void measure_solution(benchmark::State& run, const ModelSpec& spec, Formulation formulation, bool whole) {
   Subject subject(spec);
@@ -74,6 +115,8 @@ void measure_resolution(benchmark::State& run, const ModelSpec& spec, Formulatio
 void add(const std::string& name, const ModelSpec& spec) {
   const auto in_microseconds = [](auto* registered) { registered->Unit(benchmark::kMicrosecond); };
   in_microseconds(benchmark::RegisterBenchmark(("equations/" + name).c_str(), measure_equations, spec));
+  in_microseconds(benchmark::RegisterBenchmark(("program/" + name).c_str(), measure_program, spec));
+  in_microseconds(benchmark::RegisterBenchmark(("compile/" + name).c_str(), measure_compilation, spec));
   for (const Formulation f : kFormulations) {
     const std::string title = std::string(to_string(f)) + "/" + name;
     in_microseconds(benchmark::RegisterBenchmark(("solve/" + title).c_str(), measure_solution, spec, f, false));
@@ -89,7 +132,8 @@ int main(int argc, char** argv) {
   add("four_bar", make_four_bar(FourBarJoints::kRevolute));
   add("three_cranks", make_parallel_cranks());
   add("andrews_a03", make_andrews());
-  for (const int n : {1, 2, 10, 40, 100, 300}) add("n_four_bar_a02/" + std::to_string(n), make_n_four_bar(n, 0.3));
+  for (const int n : {1, 2, 10, 40, 100, 300, 1000})
+    add("n_four_bar_a02/" + std::to_string(n), make_n_four_bar(n, 0.3));
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
   benchmark::RunSpecifiedBenchmarks();

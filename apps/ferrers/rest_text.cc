@@ -38,9 +38,11 @@ std::string energy_text(const DynamicsModel& model, const Energy& energy) {
                                     number(energy.gravity), number(energy.elastic)));
 }
 
-std::string stability_text(const StabilityVerdict& verdict, const Style& style) {
+std::string stability_text(const System& system, const StabilityVerdict& verdict, const Style& style) {
   if (verdict.stability == Stability::kUnknown) {
-    return line("stability", style.yellow("not told: this pose is singular or a constraint moves by itself"));
+    return line("stability",
+                style.yellow(system.knows_time ? "not told: a constraint moves by itself, or this pose is singular"
+                                               : "unknown: this pose is singular, its motions have no stiffness"));
   }
   std::string text(to_string(verdict.stability));
   const auto add = [&](int count, std::string_view what) {
@@ -141,7 +143,8 @@ std::string equilibrium_text(const RestDocument& document, const Style& style) {
   const EquilibriumResult& rest = *document.equilibrium;
   std::string text =
       line("found", fmt::format("in {}, loads at t = {} s", counted(rest.steps, "step"), number(rest.state.t)));
-  text += stability_text(rest.stability, style) + energy_text(*document.dynamics, rest.energy);
+  text +=
+      stability_text(*document.dynamics->system, rest.stability, style) + energy_text(*document.dynamics, rest.energy);
   text +=
       line("balance", fmt::format("{} N left of {} N that act", rough(rest.residual_N), number(rest.force_scale_N)));
   return text + notices_text(rest.notices);
@@ -239,7 +242,7 @@ std::string linearization_text(const LinearizationDocument& document, const Styl
                      : linear.at_rest      ? "at rest, but not in equilibrium: it starts to move"
                                            : "in motion";
   text += line("state", linear.is_equilibrium ? rest : style.yellow(rest));
-  if (linear.is_equilibrium) text += stability_text(linear.stability, style);
+  if (linear.is_equilibrium) text += stability_text(*document.dynamics->system, linear.stability, style);
   std::vector<std::string> names;
   for (const NamedCoordinate& one : linear.coordinates) names.push_back(one.name);
   text += wrapped_list("  coordinates    ", names.empty() ? std::vector<std::string>{"none: nothing can move"} : names,

@@ -91,6 +91,21 @@ struct DriveComponent {
   bool effort_is_sought() const { return acts && (motion.has_value() || !effort.has_value()); }
 };
 
+class ForwardPrograms;
+
+/// What has been made for one model and is found again by its next user (dynamics/forward_program.h). A copy of a model
+/// may become another one: it begins with nothing.
+class FoundPrograms {
+ public:
+  FoundPrograms();
+  FoundPrograms(const FoundPrograms& other);
+  FoundPrograms& operator=(const FoundPrograms& other);
+  ForwardPrograms& operator*() const { return *programs_; }
+
+ private:
+  std::shared_ptr<ForwardPrograms> programs_;
+};
+
 struct DynamicsModel {
   std::shared_ptr<const System> system;
   std::vector<NodeInertia> inertias;  ///< Per node.
@@ -107,6 +122,7 @@ struct DynamicsModel {
   std::vector<std::string> unsupported;      ///< What the model asks and the dynamics cannot do, in words.
   BoundLagrangian lagrangian;
   bool has_forces = false;
+  FoundPrograms programs;
   int nu() const { return static_cast<int>(drives.size()); }
 };
 

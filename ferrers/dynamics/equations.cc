@@ -5,6 +5,7 @@
 
 #include "ferrers/core/checks.h"
 #include "ferrers/dynamics/lagrangian_terms.h"
+#include "ferrers/dynamics/traced_equations.h"
 
 namespace ferrers {
 
@@ -44,6 +45,15 @@ void fill_drive_row(const DynamicsModel& model, const DriveComponent& drive, con
 
 }  // namespace
 
+std::vector<Matrix3d> inertias_about_origins(const DynamicsModel& model) {
+  std::vector<Matrix3d> out;
+  for (const NodeInertia& body : model.inertias) {  // parallel axes: I = I_c + m (|c|² 1 − c cᵀ)
+    const Vector3d& c = body.com_N;
+    out.push_back(body.I_N + body.mass_kg * (c.squaredNorm() * Matrix3d::Identity() - c * c.transpose()));
+  }
+  return out;
+}
+
 Equations make_equations(const DynamicsModel& model, std::vector<int> driven) {
   const System& system = *model.system;
   Equations eq;
@@ -67,10 +77,7 @@ Equations make_equations(const DynamicsModel& model, std::vector<int> driven) {
   eq.idle_efforts = MatrixXd::Zero(model.nu(), 0);
   eq.idle_lambda = MatrixXd::Zero(system.m, 0);
   eq.composites.resize(system.nodes.size());
-  for (const NodeInertia& body : model.inertias) {  // parallel axes: I = I_c + m (|c|² 1 − c cᵀ)
-    const Vector3d& c = body.com_N;
-    eq.inertias_N.push_back(body.I_N + body.mass_kg * (c.squaredNorm() * Matrix3d::Identity() - c * c.transpose()));
-  }
+  eq.inertias_N = inertias_about_origins(model);
   eq.applied.assign(system.nodes.size(), Wrenches::Zero(6, 1));
   eq.lagrangian = make_lagrangian_evaluation(model.lagrangian);
   if (!model.lagrangian.in_tree) {
@@ -82,97 +89,16 @@ Equations make_equations(const DynamicsModel& model, std::vector<int> driven) {
 
 namespace {
 
-// I w for a symmetric tensor.
-Vector3d times(const Equations::Composite& c, const Vector3d& w) {
-  const Vector3d &d = c.diagonal, &p = c.products;
-  return {d[0] * w[0] + p[2] * w[1] + p[1] * w[2], p[2] * w[0] + d[1] * w[1] + p[0] * w[2],
-          p[1] * w[0] + p[0] * w[1] + d[2] * w[2]};
-}
-
-// R I Rᵀ, only its six entries; written out because it is most of the work of a small mechanism.
-void rotate_inertia(const Matrix3d& R, const Matrix3d& I, Equations::Composite& c) {
-  double T[3][3];
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) T[i][j] = R(i, 0) * I(0, j) + R(i, 1) * I(1, j) + R(i, 2) * I(2, j);
-  }
-  const auto entry = [&](int i, int j) { return T[i][0] * R(j, 0) + T[i][1] * R(j, 1) + T[i][2] * R(j, 2); };
-  c.diagonal = {entry(0, 0), entry(1, 1), entry(2, 2)};
-  c.products = {entry(1, 2), entry(0, 2), entry(0, 1)};
-}
-
-// The single bodies, about their node's origin O: inertia in world axes, and the wrench of what their bias acceleration
-// takes, with I about O: I α + ω × I ω + m r × (a_O − g) and m (a_O − g + α × r + ω × (ω × r)).
-void load_composites(const DynamicsModel& model, const PositionKinematics& pos, bool with_wrench,
-                     const VelocityKinematics& vel, const std::vector<Matrix3d>& inertias_N,
-                     std::vector<Equations::Composite>& composites) {
-  const Vector3d gravity = model.system->model->gravity();
-  for (int i = 1; i < model.system->body_nodes; ++i) {
-    const NodeInertia& body = model.inertias[i];
-    const Matrix3d& R = pos.nodes[i].R;
-    Equations::Composite& c = composites[i];
-    c.mass = body.mass_kg;
-    c.first_moment.noalias() = R * (body.mass_kg * body.com_N);
-    rotate_inertia(R, inertias_N[i], c);
-    if (!with_wrench) continue;
-    const VelocityKinematics::NodeVelocity& k = vel.nodes[i];
-    const Vector3d& s = c.first_moment;
-    const Vector3d a = k.a - gravity;
-    c.moment = times(c, k.alpha) + k.w.cross(times(c, k.w)) + s.cross(a);
-    c.force = c.mass * a + k.alpha.cross(s) + k.w.cross(k.w.cross(s));
-  }
-}
-
-// Adds a child's composite to its parent's: everything moves from the child's origin to the parent's, r away.
-void shift_to_parent(const Equations::Composite& child, const Vector3d& r, Equations::Composite& parent) {
-  // I' = I − [r]×[s]× − [s]×[r]× − m [r]×[r]× = I + 2 (t·r) 1 − t rᵀ − r tᵀ with t = s + ½ m r.
-  const Vector3d t = child.first_moment + 0.5 * child.mass * r;
-  const double twice = 2 * t.dot(r);
-  for (int i = 0; i < 3; ++i) {
-    const int j = (i + 1) % 3, k = (i + 2) % 3;
-    parent.diagonal[i] += child.diagonal[i] + twice - 2 * t[i] * r[i];
-    parent.products[i] += child.products[i] - t[j] * r[k] - r[j] * t[k];
-  }
-  parent.mass += child.mass;
-  parent.first_moment += child.first_moment + child.mass * r;
-  parent.moment += child.moment + r.cross(child.force);
-  parent.force += child.force;
-}
-
-// One column of M: the composite's momentum for a unit rate, worked on by every joint between it and ground.
-void fill_mass_column(const System& system, const PositionKinematics& pos, const Equations::Composite& c, int index,
-                      int column, MatrixXd& M) {
-  const Vector3d w = pos.S[column].head<3>(), v = pos.S[column].tail<3>();
-  const Vector3d force = c.mass * v - c.first_moment.cross(w);
-  Vector3d moment = times(c, w) + c.first_moment.cross(v);
-  int i = index;
-  while (true) {
-    const Node& node = system.nodes[i];
-    for (int k = node.v; k < node.v + node.nv; ++k) {
-      const double value = moment.dot(pos.S[k].head<3>()) + force.dot(pos.S[k].tail<3>());
-      M(k, column) = value;
-      M(column, k) = value;
-    }
-    if (node.parent <= 0) break;
-    moment += (pos.nodes[i].p - pos.nodes[node.parent].p).cross(force);
-    i = node.parent;
-  }
-}
-
 void sweep(const DynamicsModel& model, Equations& eq, bool with_bias) {
   const System& system = *model.system;
   if (with_bias) eq.h.tail(system.topology->general_coordinates).setZero();  // what the bodies do not write
-  load_composites(model, eq.pos, with_bias, eq.vel, eq.inertias_N, eq.composites);
-  for (int i = system.body_nodes - 1; i > 0; --i) {
-    const Node& node = system.nodes[i];
-    const Equations::Composite& c = eq.composites[i];
-    for (int k = node.v; k < node.v + node.nv; ++k) {
-      fill_mass_column(system, eq.pos, c, i, k, eq.M);
-      if (with_bias) eq.h[k] = c.moment.dot(eq.pos.S[k].head<3>()) + c.force.dot(eq.pos.S[k].tail<3>());
-    }
-    if (node.parent > 0) {
-      shift_to_parent(c, eq.pos.nodes[i].p - eq.pos.nodes[node.parent].p, eq.composites[node.parent]);
-    }
-  }
+  load_composites<double>(model, eq.inertias_N, eq.pos, with_bias ? &eq.vel : nullptr, eq.composites);
+  sweep_composites<double>(
+      system, eq.pos, eq.composites,
+      [&](int k, int column, double value) { eq.M(k, column) = eq.M(column, k) = value; },
+      [&](int k, double value) {
+        if (with_bias) eq.h[k] = value;
+      });
 }
 
 }  // namespace
@@ -210,7 +136,7 @@ void compute_mass_and_bias(const DynamicsModel& model, Equations& out) {
 }
 
 void compute_mass_matrix(const DynamicsModel& model, Equations& out) {
-  for (Equations::Composite& c : out.composites) {
+  for (BasicComposite<double>& c : out.composites) {
     c.moment.setZero();
     c.force.setZero();
   }
@@ -219,13 +145,13 @@ void compute_mass_matrix(const DynamicsModel& model, Equations& out) {
   add_lagrangian_inertia(model, out, false);
 }
 
-void compute_applied_forces(const DynamicsModel& model, const State& state, Equations& out) {
+void compute_applied_forces(const DynamicsModel& model, const State& state, Equations& out, ForceElements which) {
   const System& system = *model.system;
   out.tau.setZero();
   out.friction.setZero();
-  if (model.has_forces) {
+  if (which == ForceElements::kAll ? model.has_forces : has_untraced_forces(model)) {
     for (Wrenches& w : out.applied) w.setZero();
-    compute_force_elements(model, state, out.pos, out.vel, out.applied, out.tau);
+    compute_force_elements(model, state, out.pos, out.vel, out.applied, out.tau, which);
     add_lagrangian_forces(model, out.pos, out.lagrangian, out.applied, out.tau);
     for (int i = system.body_nodes - 1; i > 0; --i) {
       const Node& node = system.nodes[i];
@@ -251,19 +177,24 @@ void compute_applied_forces(const DynamicsModel& model, const State& state, Equa
   for (const int i : out.driven) out.u[i] = 0;
 }
 
+void sum_applied_forces(const DynamicsModel& model, const Equations& eq, VectorXd& out) {
+  out = eq.tau;
+  for (int i = 0; i < model.nu(); ++i) {
+    if (eq.u[i] == 0) continue;
+    if (model.drives[i].kind == Drive::Kind::kFormula) {  // whose columns come more than once
+      out += eq.u[i] * eq.B_transposed.row(i).transpose();
+      continue;
+    }
+    for_each_column(*model.system, model.drives[i], [&](int k) { out[k] += eq.u[i] * eq.B_transposed(i, k); });
+  }
+}
+
 void compute_equations(const DynamicsModel& model, const State& state, Equations& out) {
   compute_kinematics(model, state, out);
   compute_mass_and_bias(model, out);
   compute_applied_forces(model, state, out);
-  out.force = out.tau - out.h;
-  for (int i = 0; i < model.nu(); ++i) {
-    if (out.u[i] == 0) continue;
-    if (model.drives[i].kind == Drive::Kind::kFormula) {  // whose columns come more than once
-      out.force += out.u[i] * out.B_transposed.row(i).transpose();
-      continue;
-    }
-    for_each_column(*model.system, model.drives[i], [&](int k) { out.force[k] += out.u[i] * out.B_transposed(i, k); });
-  }
+  sum_applied_forces(model, out, out.force);
+  out.force -= out.h;
 }
 
 Energy compute_energy(const DynamicsModel& model, const State& state, const PositionKinematics& pos,

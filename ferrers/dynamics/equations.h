@@ -1,6 +1,6 @@
 #pragma once
 
-#include "ferrers/dynamics/dynamics_model.h"
+#include "ferrers/dynamics/composites.h"
 #include "ferrers/kinematics/joint_wrenches.h"
 
 namespace ferrers {
@@ -33,18 +33,15 @@ struct Equations {
   FormulaEvaluation lagrangian;  ///< Scalars of the energies at this state, and what was evaluated last.
   RowMatrixXd lagrangian_rows;   ///< Rows of those that are no entries of v.
   FormulaEvaluation drive_work;  ///< For drives by formulas.
-  struct Composite {
-    double mass = 0;
-    Vector3d first_moment;        ///< Σ m ρ about the node's origin.
-    Vector3d diagonal, products;  ///< Inertia about the node's origin: xx, yy, zz and yz, xz, xy of its tensor.
-    Vector3d moment, force;       ///< Inertia and gravity wrench of the subtree.
-  };
-  std::vector<Composite> composites;
+  std::vector<BasicComposite<double>> composites;
   std::vector<Wrenches> applied;     ///< Per node, 6 × 1.
   std::vector<Matrix3d> inertias_N;  ///< Of the single bodies about the node's origin, node axes: constants.
 };
 
 Equations make_equations(const DynamicsModel& model, std::vector<int> driven = {});
+
+/// Inertia of each single body about its node's origin, node axes, kg·m².
+std::vector<Matrix3d> inertias_about_origins(const DynamicsModel& model);
 
 /// Fills everything for `state`; drives take their effort laws. Allocates nothing. Only entries of M, G and B that can
 /// differ from zero are written: the others are zero since `make_equations`. Cost: O(bodies · depth + rows · loop).
@@ -58,7 +55,13 @@ void compute_driven_rows(const DynamicsModel& model, const State& state, const s
 /// The parts of `compute_equations`, for callers that know some already.
 void compute_kinematics(const DynamicsModel& model, const State& state, Equations& out);
 void compute_mass_and_bias(const DynamicsModel& model, Equations& out);
-void compute_applied_forces(const DynamicsModel& model, const State& state, Equations& out);
+/// `which`: kUntraced leaves out what native code knows by itself (dynamics/forward_program.h): springs between points
+/// and on coordinates.
+enum class ForceElements { kAll, kUntraced };
+void compute_applied_forces(const DynamicsModel& model, const State& state, Equations& out,
+                            ForceElements which = ForceElements::kAll);
+/// tau + B u, of what `compute_applied_forces` left. `out`: nv.
+void sum_applied_forces(const DynamicsModel& model, const Equations& eq, VectorXd& out);
 
 /// The mass matrix alone, at poses already computed.
 void compute_mass_matrix(const DynamicsModel& model, Equations& out);
@@ -74,6 +77,7 @@ Energy compute_energy(const DynamicsModel& model, const State& state, const Posi
 /// Wrenches on the nodes from springs, bushings and loads, and efforts of joint springs and dampers along coordinates.
 /// `efforts` (nv) takes those of tree coordinates, `on_nodes` everything else.
 void compute_force_elements(const DynamicsModel& model, const State& state, const PositionKinematics& pos,
-                            const VelocityKinematics& vel, std::vector<Wrenches>& on_nodes, VectorXd& efforts);
+                            const VelocityKinematics& vel, std::vector<Wrenches>& on_nodes, VectorXd& efforts,
+                            ForceElements which = ForceElements::kAll);
 
 }  // namespace ferrers

@@ -1,4 +1,5 @@
 #include "ferrers/dynamics/equations.h"
+#include "ferrers/dynamics/spring_forces.h"
 
 namespace ferrers {
 namespace {
@@ -18,17 +19,12 @@ void add_force(const Context& c, int node, const Vector3d& p, const Vector3d& mo
   c.on_nodes[node].col(0).tail<3>() += force;
 }
 
-// Tension k (|d| − L0) + c d|d|/dt pulls the points together.
 void add_spring(const Context& c, const BoundSpring& s) {
-  const Vector3d p_1 = point_position(c.pos, s.point_1), p_2 = point_position(c.pos, s.point_2);
-  const Vector3d d = p_2 - p_1;
-  const double length = d.norm();
-  if (length == 0) return;  // no direction: a spring between coincident points pulls nowhere
-  const Vector3d along = d / length;
-  const double rate = along.dot(point_velocity(c.pos, c.vel, s.point_2) - point_velocity(c.pos, c.vel, s.point_1));
-  const Vector3d tension = (s.stiffness * (length - s.free_length_m) + s.damping * rate) * along;
-  add_force(c, s.point_1.node, p_1, Vector3d::Zero(), tension);
-  add_force(c, s.point_2.node, p_2, Vector3d::Zero(), -tension);
+  const auto first = moving_point<double>(c.pos, c.vel, s.point_1), second = moving_point(c.pos, c.vel, s.point_2);
+  if (first.place == second.place) return;  // no direction: a spring between coincident points pulls nowhere
+  const Vector3d tension = spring_force(s, first, second);
+  add_force(c, s.point_1.node, first.place, Vector3d::Zero(), tension);
+  add_force(c, s.point_2.node, second.place, Vector3d::Zero(), -tension);
 }
 
 // An effort along a coordinate: an entry of tau, or a pair of wrenches at a cut joint.
@@ -46,7 +42,7 @@ void add_effort(const Context& c, const CoordinateAccess& access, const Jet& jet
 
 void add_torsion_spring(const Context& c, const BoundTorsionSpring& s) {
   const Jet jet = measure_coordinate(c.system(), s.access, c.state, c.pos, c.vel);
-  add_effort(c, s.access, jet, -s.stiffness * (jet.value - s.free_angle) - s.damping * jet.rate);
+  add_effort(c, s.access, jet, torsion_spring_effort(s, jet.value, jet.rate));
 }
 
 // J_l⁻ᵀ(θ) m: the moment that has the power m · dθ/dt for a rotation vector θ turning with ω.
@@ -86,10 +82,16 @@ void add_load(const Context& c, const BoundLoad& load) {
 }  // namespace
 
 void compute_force_elements(const DynamicsModel& model, const State& state, const PositionKinematics& pos,
-                            const VelocityKinematics& vel, std::vector<Wrenches>& on_nodes, VectorXd& efforts) {
+                            const VelocityKinematics& vel, std::vector<Wrenches>& on_nodes, VectorXd& efforts,
+                            ForceElements which) {
   const Context c{model, state, pos, vel, on_nodes, efforts};
-  for (const BoundSpring& s : model.springs) add_spring(c, s);
-  for (const BoundTorsionSpring& s : model.torsion_springs) add_torsion_spring(c, s);
+  const bool all = which == ForceElements::kAll;
+  if (all) {
+    for (const BoundSpring& s : model.springs) add_spring(c, s);
+  }
+  for (const BoundTorsionSpring& s : model.torsion_springs) {
+    if (all || !is_traced(s)) add_torsion_spring(c, s);
+  }
   for (const BoundBushing& b : model.bushings) add_bushing(c, b);
   for (const BoundLoad& load : model.loads) add_load(c, load);
 }

@@ -56,6 +56,8 @@ struct ForwardResult {
   VectorXd lambda;  ///< m; zero at the rows left out.
 };
 
+class SparseKkt;
+
 /// A formulation with its work space for one selection.
 class ForwardSolver {
  public:
@@ -70,6 +72,8 @@ class ForwardSolver {
   /// falls in proportion to the distance from a pose where those rows lose rank (the augmented Lagrangian's only down
   /// to 3e-5 of its healthy size).
   virtual double smallest_pivot() const = 0;
+  /// The order in which the equations are eliminated, where that never changes and is known by now; else null.
+  virtual const SparseKkt* order() const { return nullptr; }
 };
 
 std::unique_ptr<ForwardSolver> make_forward_solver(Formulation formulation, const System& system,

@@ -4,6 +4,8 @@
 #include <vector>
 
 #include "ferrers/dynamics/forward.h"
+#include "ferrers/kinematics/constraint_blocks.h"
+#include "ferrers/math/traced.h"
 
 /// Problem: the equations of motion of a mechanism with local loops are sparse, and always in the same places.
 ///
@@ -29,25 +31,50 @@ namespace ferrers {
 struct KktStructure {
   std::vector<std::vector<int>> rows;  ///< Per chosen row: coordinates it can touch.
   std::vector<std::vector<int>> mass;  ///< Per coordinate: other coordinates that M couples it with.
+  /// The entries of `rows` at the pose where the order of elimination is chosen.
+  std::vector<std::vector<double>> values;
 };
 
 /// Of a system's own rows; those of prescribed motions (from system.m on) are left empty for the caller to fill.
 KktStructure make_kkt_structure(const System& system, const std::vector<int>& rows);
+/// Fills `values`: from G, or from its closures alone.
+void take_values(const std::vector<int>& rows, const RowMatrixXd& G, KktStructure& structure);
+void take_values(const std::vector<int>& rows, const ConstraintBlocks& blocks, KktStructure& structure);
 
 /// The factors, and the program that makes them.
 class SparseKkt {
  public:
   SparseKkt() = default;
-  /// Chooses the order from the values of G now; `rows`: the chosen rows of G. `column_scale` (nv) makes the
-  /// columns comparable; each row is compared with its own largest entry. Allocates.
-  SparseKkt(const KktStructure& structure, const std::vector<int>& rows, const VectorXd& column_scale,
-            const RowMatrixXd& G);
+  /// Chooses the order from `structure.values`; `rows`: the chosen rows of G. `column_scale` (nv) makes the columns
+  /// comparable; each row is compared with its own largest entry. Allocates.
+  SparseKkt(const KktStructure& structure, const std::vector<int>& rows, const VectorXd& column_scale);
 
   /// kSingularMass where Nᵀ M N is not positive definite but for rounding, kWornSelection where some row has no
   /// coordinate to determine. Reads entries of the structure only. Allocates nothing.
   ForwardStatus factor(const MatrixXd& M, const RowMatrixXd& G);
   /// With the last factors. `gamma`, `lambda`: of all rows of G; only the chosen ones are read and written.
   void solve(const VectorXd& force, const VectorXd& gamma, VectorXd& vdot, VectorXd& lambda);
+
+  /// Both written down on traced numbers (math/traced.h), for native code of a whole evaluation.
+  struct TracedFactors {
+    std::vector<Traced> x;
+    std::vector<Traced> pivots;         ///< Weighted g of each pair: the smallest is what `smallest_pivot` tells.
+    std::vector<Traced> masses, began;  ///< Of each coordinate that goes by its mass: pivot, and what it is left of.
+  };
+  struct TracedSolution {
+    std::vector<Traced> vdot;    ///< nv.
+    std::vector<Traced> lambda;  ///< Per pair, the multiplier of its row.
+  };
+  /// `M(i, j)`, `G(row, column)`: entries of the structure.
+  template <class Mass, class Jacobian>
+  TracedFactors trace(Mass M, Jacobian G) const;
+  /// `force`: nv; `gamma`: of all rows of G.
+  TracedSolution trace(const TracedFactors& factors, const std::vector<Traced>& force,
+                       const std::vector<Traced>& gamma) const;
+  std::vector<int> pair_rows() const;  ///< Per pair, its row of G.
+  /// Equal for those that eliminate the same rows and coordinates in the same order.
+  std::vector<int> signature() const;
+  bool is_complete() const { return complete_; }
 
   /// Smallest pivot |g| of the last factorization, each over its row's largest entry when the order was chosen, in
   /// scaled columns: a pure number. 1 without rows.
@@ -89,8 +116,13 @@ class SparseKkt {
   };
 
   void load(const MatrixXd& M, const RowMatrixXd& G);
-  void eliminate(const Pair& pair);
-  bool eliminate(const Single& single, double began);
+  template <class T>
+  void eliminate(const Pair& pair, T* x) const;
+  template <class T>
+  void eliminate(const Single& single, T* x) const;
+  /// f: the forces, then vdot, by position; b: gamma, per pair.
+  template <class T>
+  void substitute(const T* x, T* f, T* b, T* lambda) const;
 
   std::vector<double> x_;  // all entries, in the order of elimination
   std::vector<Move> mass_moves_, row_moves_;
@@ -106,5 +138,33 @@ class SparseKkt {
   double smallest_pivot_ = 0;
   long operations_ = 0;
 };
+
+// ---------------------------------------------------------------------------------------------------------------------
+
+template <class Mass, class Jacobian>
+SparseKkt::TracedFactors SparseKkt::trace(Mass M, Jacobian G) const {
+  const auto n = static_cast<std::ptrdiff_t>(order_.size());
+  TracedFactors out;
+  std::vector<Traced>& x = out.x;
+  x.resize(x_.size());
+  for (const Move& move : mass_moves_) x[move.to] = M(static_cast<int>(move.from / n), static_cast<int>(move.from % n));
+  for (const Move& move : row_moves_) x[move.to] = G(static_cast<int>(move.from / n), static_cast<int>(move.from % n));
+  for (const Pair& pair : pairs_) {
+    out.pivots.push_back(x[pair.pivot] * Traced(pair.weight));
+    eliminate(pair, x.data());
+  }
+  for (const Single& single : singles_) {
+    const auto own = static_cast<int>(single.mass / (n + 1));
+    out.began.push_back(M(own, own) + x[single.diagonal]);
+  }
+  for (const Single& single : singles_) {
+    out.masses.push_back(x[single.diagonal]);
+    eliminate(single, x.data());
+  }
+  return out;
+}
+
+extern template void SparseKkt::eliminate(const Pair&, Traced*) const;
+extern template void SparseKkt::eliminate(const Single&, Traced*) const;
 
 }  // namespace ferrers

@@ -44,12 +44,13 @@ struct Step {
 /// Chooses the steps: an elimination with values, entries in sorted lists.
 class Ordering {
  public:
-  Ordering(const KktStructure& structure, const Indices& rows, const VectorXd& column_scale, const RowMatrixXd& G)
+  Ordering(const KktStructure& structure, const VectorXd& column_scale)
       : scale_(column_scale), mass_(structure.mass), holders_(structure.mass.size()) {
-    for (std::size_t k = 0; k < rows.size(); ++k) {
+    for (std::size_t k = 0; k < structure.rows.size(); ++k) {
       Row row;
-      for (const int column : structure.rows[k]) {
-        row.push_back({column, G(rows[k], column)});
+      for (std::size_t i = 0; i < structure.rows[k].size(); ++i) {
+        const int column = structure.rows[k][i];
+        row.push_back({column, structure.values.at(k).at(i)});
         holders_[column].push_back(static_cast<int>(k));
       }
       size_.push_back(largest(row));
@@ -367,9 +368,8 @@ class KktCompiler {
   Indices pair_of_row_;
 };
 
-SparseKkt::SparseKkt(const KktStructure& structure, const std::vector<int>& rows, const VectorXd& column_scale,
-                     const RowMatrixXd& G) {
-  Ordering ordering(structure, rows, column_scale, G);
+SparseKkt::SparseKkt(const KktStructure& structure, const std::vector<int>& rows, const VectorXd& column_scale) {
+  Ordering ordering(structure, column_scale);
   complete_ = ordering.choose();
   if (!complete_) return;
   KktCompiler(*this, ordering.steps()).compile(structure, rows, ordering, column_scale);

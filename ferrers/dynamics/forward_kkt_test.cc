@@ -60,12 +60,17 @@ struct RandomKkt {
   }
 };
 
+SparseKkt ordered(KktStructure structure, const std::vector<int>& rows, const VectorXd& scale, const RowMatrixXd& G) {
+  take_values(rows, G, structure);
+  return {structure, rows, scale};
+}
+
 TEST(SparseKktTest, SolvesWhatADenseFactorizationSolves) {
   RandomSource random(1);
   for (int trial = 0; trial < 200; ++trial) {
     const int n = 1 + trial % 25, r = trial % (n + 1);
     RandomKkt kkt(random, r, n, 0.05 + 0.15 * (trial % 5));
-    SparseKkt sparse(kkt.structure, kkt.rows, VectorXd::Ones(n), kkt.G);
+    SparseKkt sparse = ordered(kkt.structure, kkt.rows, VectorXd::Ones(n), kkt.G);
     for (int again = 0; again < 3; ++again) {
       ASSERT_EQ(sparse.factor(kkt.M, kkt.G), ForwardStatus::kSolved);
       VectorXd force(n), gamma(r), v(n), lambda(r);
@@ -83,14 +88,16 @@ TEST(SparseKktTest, SolvesWhatADenseFactorizationSolves) {
 }
 
 TEST(SparseKktTest, RowsThatNothingCanSatisfyAndMotionsWithoutMassAreSaid) {
-  KktStructure structure{{{0}, {0}}, {{}, {}}};
+  KktStructure structure;
+  structure.rows = {{0}, {0}};
+  structure.mass = {{}, {}};
   RowMatrixXd G = RowMatrixXd::Zero(2, 2);
   G.col(0).setOnes();
   const MatrixXd M = MatrixXd::Identity(2, 2);
-  SparseKkt twice(structure, {0, 1}, VectorXd::Ones(2), G);
+  SparseKkt twice = ordered(structure, {0, 1}, VectorXd::Ones(2), G);
   EXPECT_EQ(twice.factor(M, G), ForwardStatus::kWornSelection);
   structure.rows.pop_back();
-  SparseKkt once(structure, {0}, VectorXd::Ones(2), G);
+  SparseKkt once = ordered(structure, {0}, VectorXd::Ones(2), G);
   EXPECT_EQ(once.factor(M, G), ForwardStatus::kSolved);
   EXPECT_EQ(once.factor(MatrixXd::Zero(2, 2), G), ForwardStatus::kSingularMass);
 }
@@ -98,12 +105,12 @@ TEST(SparseKktTest, RowsThatNothingCanSatisfyAndMotionsWithoutMassAreSaid) {
 TEST(SparseKktTest, TheSmallestPivotIsAPureNumber) {
   RandomSource random(4);
   RandomKkt kkt(random, 6, 9, 0.4);
-  SparseKkt plain(kkt.structure, kkt.rows, VectorXd::Ones(9), kkt.G);
+  SparseKkt plain = ordered(kkt.structure, kkt.rows, VectorXd::Ones(9), kkt.G);
   plain.factor(kkt.M, kkt.G);
   VectorXd unit = VectorXd::Ones(9);
   unit.head(4).setConstant(1e-3);  // the first coordinates in millimetres
   const RowMatrixXd G = kkt.G * unit.asDiagonal();
-  SparseKkt other(kkt.structure, kkt.rows, unit.cwiseInverse(), G);
+  SparseKkt other = ordered(kkt.structure, kkt.rows, unit.cwiseInverse(), G);
   other.factor(unit.asDiagonal() * kkt.M * unit.asDiagonal(), G);
   EXPECT_NEAR(other.smallest_pivot() / plain.smallest_pivot(), 1, 1e-10);
 }
@@ -119,8 +126,8 @@ struct Size {
         select_rows_and_coordinates(*engine.system, decide_clusters(*engine.system, engine.scaling, blocks));
     Equations eq = make_equations(*engine.dynamics);
     compute_equations(*engine.dynamics, state, eq);
-    const SparseKkt kkt(make_kkt_structure(*engine.system, selection.rows), selection.rows, engine.scaling.columns,
-                        eq.constraints.G);
+    const SparseKkt kkt = ordered(make_kkt_structure(*engine.system, selection.rows), selection.rows,
+                                  engine.scaling.columns, eq.constraints.G);
     operations = kkt.operations();
     stored = kkt.stored();
   }

@@ -28,13 +28,15 @@ class SparseSolver final : public ForwardSolver {
   }
 
   double smallest_pivot() const override { return kkt_.smallest_pivot(); }
+  const SparseKkt* order() const override { return compiled_ && kkt_.is_complete() ? &kkt_ : nullptr; }
 
  private:
   void compile(const Equations& eq) {
     for (std::size_t i = 0; i < rows_.size(); ++i) {
       if (rows_[i] >= m_) structure_.rows[i] = eq.driven_columns.at(rows_[i] - m_);
     }
-    kkt_ = SparseKkt(structure_, rows_, column_scale_, eq.constraints.G);
+    take_values(rows_, eq.constraints.G, structure_);
+    kkt_ = SparseKkt(structure_, rows_, column_scale_);
     compiled_ = true;
   }
 

@@ -110,7 +110,7 @@ MatrixXd ReducedMotion::body_displacements() const {
   MatrixXd X = MatrixXd::Zero(6 * bodies, w());
   VelocityKinematics rates = make_velocity_kinematics(system_);
   for (int k = 0; k < w(); ++k) {
-    compute_velocities(system_, eq_.pos, q_, N_.col(k), rates);
+    compute_velocities<double>(system_, eq_.pos, q_, N_.col(k), rates);
     for (long i = 0; i < bodies; ++i) {
       const std::size_t node = static_cast<std::size_t>(i) + 1;
       const NodePoint centre{static_cast<int>(node), model_.inertias[node].com_N};

@@ -2,7 +2,6 @@
 
 #include "ferrers/kinematics/coordinates.h"
 #include "ferrers/kinematics/formula_rows.h"
-#include "ferrers/kinematics/turned.h"
 
 namespace ferrers {
 
@@ -15,20 +14,22 @@ ConstraintKinematics make_constraint_kinematics(const System& system, int driven
   return out;
 }
 
-RelativeMotion compute_relative_motion(const FramePair& pair, const PositionKinematics& pos,
-                                       const VelocityKinematics& acc) {
-  const PositionKinematics::NodePosition& n1 = pos.nodes[pair.node_1];
-  const PositionKinematics::NodePosition& n2 = pos.nodes[pair.node_2];
-  const VelocityKinematics::NodeVelocity& k1 = acc.nodes[pair.node_1];
-  const VelocityKinematics::NodeVelocity& k2 = acc.nodes[pair.node_2];
-  RelativeMotion m;
+template <class T>
+BasicRelativeMotion<T> compute_relative_motion(const FramePair& pair, const BasicPositionKinematics<T>& pos,
+                                               const BasicVelocityKinematics<T>& acc) {
+  using Vector = Eigen::Matrix<T, 3, 1>;
+  const auto& n1 = pos.nodes[pair.node_1];
+  const auto& n2 = pos.nodes[pair.node_2];
+  const auto& k1 = acc.nodes[pair.node_1];
+  const auto& k2 = acc.nodes[pair.node_2];
+  BasicRelativeMotion<T> m;
   m.R_F = turned(n1.R, pair.X_1F.R);
   m.R_M = turned(n2.R, pair.X_2M.R);
-  const Vector3d r_F = n1.R * pair.X_1F.p;
-  const Vector3d r_2 = n2.R * pair.X_2M.p;  // node 2's origin to p_M
-  const Vector3d apart = n2.p - n1.p;
+  const Vector r_F = n1.R * as_constants<T>(pair.X_1F.p);
+  const Vector r_2 = n2.R * as_constants<T>(pair.X_2M.p);  // node 2's origin to p_M
+  const Vector apart = n2.p - n1.p;
   m.d = apart + r_2 - r_F;
-  const Vector3d r_1 = apart + r_2;  // node 1's origin to p_M
+  const Vector r_1 = apart + r_2;  // node 1's origin to p_M
   m.w1 = k1.w;
   m.w2 = k2.w;
   m.w = k2.w - k1.w;
@@ -38,6 +39,10 @@ RelativeMotion compute_relative_motion(const FramePair& pair, const PositionKine
         (k1.a + k1.alpha.cross(r_1) + k1.w.cross(k1.w.cross(r_1)));
   return m;
 }
+
+template RelativeMotion compute_relative_motion(const FramePair&, const PositionKinematics&, const VelocityKinematics&);
+template BasicRelativeMotion<Traced> compute_relative_motion(const FramePair&, const BasicPositionKinematics<Traced>&,
+                                                             const BasicVelocityKinematics<Traced>&);
 
 void add_jet_row(const System& system, const FramePair& pair, const PositionKinematics& pos, const Wrench& W,
                  double scale, Eigen::Ref<Eigen::RowVectorXd> row) {
@@ -55,27 +60,6 @@ void add_jet_row(const System& system, const FramePair& pair, const PositionKine
 
 namespace {
 
-// The rows of a joint on the coordinates of its loop: each coordinate's twist is brought to p_M once for all rows.
-void fill_rows(const System& system, const CutJoint& cut, const PositionKinematics& pos, const Jet* rows,
-               RowMatrixXd& G) {
-  const int count = cut.type->row_count();
-  const long stride = G.cols();
-  const PositionKinematics::NodePosition& n2 = pos.nodes[cut.frames.node_2];
-  const Vector3d p_M = n2.p + n2.R * cut.frames.X_2M.p;
-  double* const first = G.data() + cut.row * stride;
-  for (const FramePair::PathEntry& entry : cut.frames.path) {
-    const Node& node = system.nodes[entry.node];
-    const Vector3d lever = p_M - pos.nodes[entry.node].p;
-    for (int k = node.v; k < node.v + node.nv; ++k) {
-      const Vector3d w = entry.sign * pos.S[k].head<3>();
-      const Vector3d v = entry.sign * pos.S[k].tail<3>() + w.cross(lever);
-      for (int i = 0; i < count; ++i) {
-        first[i * stride + k] = rows[i].W.head<3>().dot(w) + rows[i].W.tail<3>().dot(v);
-      }
-    }
-  }
-}
-
 void compute_cut_joint(const System& system, const CutJoint& cut, const State& state, const PositionKinematics& pos,
                        const VelocityKinematics& vel, ConstraintKinematics& out) {
   const RelativeMotion motion = compute_relative_motion(cut.frames, pos, vel);
@@ -87,7 +71,9 @@ void compute_cut_joint(const System& system, const CutJoint& cut, const State& s
     out.rate[row] = rows[i].rate;
     out.gamma[row] = -rows[i].bias;
   }
-  fill_rows(system, cut, pos, rows, out.G);
+  double* const first = out.G.data() + cut.row * out.G.cols();
+  const long stride = out.G.cols();
+  for_each_entry(system, cut, pos, rows, [=](int i, int k, double value) { first[i * stride + k] = value; });
 }
 
 void compute_coupling(const System& system, const CouplingRow& coupling, const State& state,
@@ -111,6 +97,11 @@ void compute_coupling(const System& system, const CouplingRow& coupling, const S
 void compute_constraints(const System& system, const State& state, const PositionKinematics& pos,
                          const VelocityKinematics& vel, ConstraintKinematics& out) {
   for (const CutJoint& cut : system.cuts) compute_cut_joint(system, cut, state, pos, vel, out);
+  compute_coupling_rows(system, state, pos, vel, out);
+}
+
+void compute_coupling_rows(const System& system, const State& state, const PositionKinematics& pos,
+                           const VelocityKinematics& vel, ConstraintKinematics& out) {
   for (const CouplingRow& coupling : system.couplings) {
     if (coupling.block < 0) compute_coupling(system, coupling, state, pos, vel, out);
   }

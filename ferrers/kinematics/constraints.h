@@ -1,5 +1,6 @@
 #pragma once
 
+#include "ferrers/kinematics/constants.h"
 #include "ferrers/kinematics/motion.h"
 
 namespace ferrers {
@@ -34,10 +35,20 @@ ConstraintKinematics make_constraint_kinematics(const System& system, int driven
 /// `make_constraint_kinematics`. Allocates nothing. Cost: O(Σ rows × length of their loops).
 void compute_constraints(const System& system, const State& state, const PositionKinematics& pos,
                          const VelocityKinematics& vel, ConstraintKinematics& out);
+/// Of these the rows of couplings and formulas alone.
+void compute_coupling_rows(const System& system, const State& state, const PositionKinematics& pos,
+                           const VelocityKinematics& vel, ConstraintKinematics& out);
 
 /// Relative motion of two frames; `acc` holds bias accelerations (or complete ones: then a jet's `bias` is all of f'').
-RelativeMotion compute_relative_motion(const FramePair& pair, const PositionKinematics& pos,
-                                       const VelocityKinematics& acc);
+template <class T>
+BasicRelativeMotion<T> compute_relative_motion(const FramePair& pair, const BasicPositionKinematics<T>& pos,
+                                               const BasicVelocityKinematics<T>& acc);
+
+/// The rows of a joint that closes a loop, on the coordinates of the loop: calls `write(row, coordinate, value)` with
+/// rows counted from 0. Each coordinate's twist is brought to p_M once for all rows.
+template <class T, class Write>
+void for_each_entry(const System& system, const CutJoint& cut, const BasicPositionKinematics<T>& pos,
+                    const BasicJet<T>* rows, Write write);
 
 /// Row of G of a jet: G v = W · V_rel. Adds `scale` times it to `row` (nv).
 void add_jet_row(const System& system, const FramePair& pair, const PositionKinematics& pos, const Wrench& W,
@@ -53,5 +64,27 @@ double fastest_turn(const System& system, const PositionKinematics& pos, const V
 /// Shapes: row_count of the joint's type. A tree joint's rows vanish by construction; their wrenches W matter.
 void compute_joint_rows(const System& system, JointId joint, const State& state, const PositionKinematics& pos,
                         const VelocityKinematics& acc, RelativeMotion& motion, Jet* rows);
+
+// ---------------------------------------------------------------------------------------------------------------------
+
+template <class T, class Write>
+void for_each_entry(const System& system, const CutJoint& cut, const BasicPositionKinematics<T>& pos,
+                    const BasicJet<T>* rows, Write write) {
+  using Vector = Eigen::Matrix<T, 3, 1>;
+  const int count = cut.type->row_count();
+  const auto& n2 = pos.nodes[cut.frames.node_2];
+  const Vector p_M = n2.p + n2.R * as_constants<T>(cut.frames.X_2M.p);
+  for (const FramePair::PathEntry& entry : cut.frames.path) {
+    const Node& node = system.nodes[entry.node];
+    const Vector lever = p_M - pos.nodes[entry.node].p;
+    for (int k = node.v; k < node.v + node.nv; ++k) {
+      const Vector w = T(entry.sign) * pos.S[k].template head<3>();
+      const Vector v = T(entry.sign) * pos.S[k].template tail<3>() + w.cross(lever);
+      for (int i = 0; i < count; ++i) {
+        write(i, k, rows[i].W.template head<3>().dot(w) + rows[i].W.template tail<3>().dot(v));
+      }
+    }
+  }
+}
 
 }  // namespace ferrers

@@ -1,32 +1,46 @@
 #include "ferrers/kinematics/motion.h"
 
-#include "ferrers/kinematics/turned.h"
+#include "ferrers/kinematics/constants.h"
 
 namespace ferrers {
 
+template <class T>
+BasicPositionKinematics<T> make_basic_position_kinematics(const System& system) {
+  BasicPositionKinematics<T> out;
+  out.nodes.resize(system.nodes.size());
+  out.S.assign(static_cast<std::size_t>(system.nv), Eigen::Matrix<T, 6, 1>::Zero());
+  return out;
+}
+
+template <class T>
+BasicVelocityKinematics<T> make_basic_velocity_kinematics(const System& system) {
+  BasicVelocityKinematics<T> out;
+  out.nodes.resize(system.nodes.size());
+  return out;
+}
+
 PositionKinematics make_position_kinematics(const System& system) {
-  PositionKinematics out;
-  out.nodes.resize(system.nodes.size());
-  out.S.assign(system.nv, Twist::Zero());
-  return out;
+  return make_basic_position_kinematics<double>(system);
 }
-
 VelocityKinematics make_velocity_kinematics(const System& system) {
-  VelocityKinematics out;
-  out.nodes.resize(system.nodes.size());
-  return out;
+  return make_basic_velocity_kinematics<double>(system);
 }
 
-void compute_positions(const System& system, const VectorXd& q, PositionKinematics& out) {
-  const VectorXd& no_velocity = q;  // S does not read v
-  Twist S_F[6], ignored;
-  Pose X_FM;
+template <class T>
+void compute_positions(const System& system, const Eigen::Matrix<T, Eigen::Dynamic, 1>& q,
+                       BasicPositionKinematics<T>& out) {
+  using Vector = Eigen::Matrix<T, 3, 1>;
+  using Matrix = Eigen::Matrix<T, 3, 3>;
+  using AnyTwist = Eigen::Matrix<T, 6, 1>;
+  const auto& no_velocity = q;  // S does not read v
+  AnyTwist S_F[6], ignored;
+  BasicPose<T> X_FM;
   for (int i = 1; i < system.body_nodes; ++i) {
     const Node& node = system.nodes[i];
-    const PositionKinematics::NodePosition& parent = out.nodes[node.parent];
-    PositionKinematics::NodePosition& here = out.nodes[i];
-    const Matrix3d R_J = turned(parent.R, node.X_PJ.R);
-    const Vector3d p_J = parent.p + parent.R * node.X_PJ.p;
+    const auto& parent = out.nodes[node.parent];
+    auto& here = out.nodes[i];
+    const Matrix R_J = turned(parent.R, node.X_PJ.R);
+    const Vector p_J = parent.p + parent.R * as_constants<T>(node.X_PJ.p);
     node.type->motion(node.constants, q.data() + node.q, X_FM);
     node.type->subspace(node.constants, q.data() + node.q, no_velocity.data(), S_F, ignored);
     if (node.forward) {
@@ -34,9 +48,9 @@ void compute_positions(const System& system, const VectorXd& q, PositionKinemati
       here.R.noalias() = R_J * X_FM.R;
       here.p = p_J + R_J * X_FM.p;
       for (int k = 0; k < node.nv; ++k) {
-        Twist& S = out.S[node.v + k];
-        S.head<3>().noalias() = R_J * S_F[k].head<3>();
-        S.tail<3>().noalias() = R_J * S_F[k].tail<3>();
+        AnyTwist& S = out.S[node.v + k];
+        S.template head<3>().noalias() = R_J * S_F[k].template head<3>();
+        S.template tail<3>().noalias() = R_J * S_F[k].template tail<3>();
       }
       continue;
     }
@@ -46,10 +60,10 @@ void compute_positions(const System& system, const VectorXd& q, PositionKinemati
     here.lever = -(here.R * X_FM.p);
     here.p = p_J + here.lever;
     for (int k = 0; k < node.nv; ++k) {
-      Twist& S = out.S[node.v + k];
-      const Vector3d angular = here.R * S_F[k].head<3>();
-      S.head<3>() = -angular;
-      S.tail<3>() = -(here.R * S_F[k].tail<3>()) - angular.cross(here.lever);
+      AnyTwist& S = out.S[node.v + k];
+      const Vector angular = here.R * S_F[k].template head<3>();
+      S.template head<3>() = -angular;
+      S.template tail<3>() = -(here.R * S_F[k].template tail<3>()) - angular.cross(here.lever);
     }
   }
 }
@@ -57,48 +71,62 @@ void compute_positions(const System& system, const VectorXd& q, PositionKinemati
 namespace {
 
 // Ṡ v of the inboard joint in world axes (angular, linear at p_M).
-Twist subspace_rate(const Node& node, const Matrix3d& R_F, const VectorXd& q, const VectorXd& v) {
-  Twist S_F[6], rate;
+template <class T>
+Eigen::Matrix<T, 6, 1> subspace_rate(const Node& node, const Eigen::Matrix<T, 3, 3>& R_F,
+                                     const Eigen::Matrix<T, Eigen::Dynamic, 1>& q,
+                                     const Eigen::Matrix<T, Eigen::Dynamic, 1>& v) {
+  Eigen::Matrix<T, 6, 1> S_F[6], rate, world;
   node.type->subspace(node.constants, q.data() + node.q, v.data() + node.v, S_F, rate);
-  Twist world;
-  world.head<3>() = R_F * rate.head<3>();
-  world.tail<3>() = R_F * rate.tail<3>();
+  world.template head<3>() = R_F * rate.template head<3>();
+  world.template tail<3>() = R_F * rate.template tail<3>();
   return world;
 }
 
 }  // namespace
 
-void compute_velocities(const System& system, const PositionKinematics& pos, const VectorXd& q, const VectorXd& v,
-                        VelocityKinematics& out) {
+template <class T>
+void compute_velocities(const System& system, const BasicPositionKinematics<T>& pos,
+                        const Eigen::Matrix<T, Eigen::Dynamic, 1>& q, const Eigen::Matrix<T, Eigen::Dynamic, 1>& v,
+                        BasicVelocityKinematics<T>& out) {
+  using Vector = Eigen::Matrix<T, 3, 1>;
   for (int i = 1; i < system.body_nodes; ++i) {
     const Node& node = system.nodes[i];
-    const VelocityKinematics::NodeVelocity& parent = out.nodes[node.parent];
-    VelocityKinematics::NodeVelocity& here = out.nodes[i];
-    Vector3d w_J = Vector3d::Zero(), v_J = Vector3d::Zero();  // S v
+    const auto& parent = out.nodes[node.parent];
+    auto& here = out.nodes[i];
+    Vector w_J = Vector::Zero(), v_J = Vector::Zero();  // S v
     for (int k = 0; k < node.nv; ++k) {
-      w_J += pos.S[node.v + k].head<3>() * v[node.v + k];
-      v_J += pos.S[node.v + k].tail<3>() * v[node.v + k];
+      w_J += pos.S[node.v + k].template head<3>() * v[node.v + k];
+      v_J += pos.S[node.v + k].template tail<3>() * v[node.v + k];
     }
-    const Vector3d r = pos.nodes[i].p - pos.nodes[node.parent].p;
+    const Vector r = pos.nodes[i].p - pos.nodes[node.parent].p;
     here.w = parent.w + w_J;
     here.v = parent.v + parent.w.cross(r) + v_J;
-    Twist rate = Twist::Zero();
-    if (!node.type->constant_subspace) rate = subspace_rate(node, pos.nodes[i].R_F, q, v);
+    Eigen::Matrix<T, 6, 1> rate = Eigen::Matrix<T, 6, 1>::Zero();
+    if (!node.type->constant_subspace) rate = subspace_rate<T>(node, pos.nodes[i].R_F, q, v);
     if (node.forward) {
-      here.alpha = parent.alpha + parent.w.cross(w_J) + rate.head<3>();
-      here.a = parent.a + parent.alpha.cross(r) + parent.w.cross(parent.w.cross(r)) + 2 * parent.w.cross(v_J) +
-               rate.tail<3>();
+      here.alpha = parent.alpha + parent.w.cross(w_J) + rate.template head<3>();
+      here.a = parent.a + parent.alpha.cross(r) + parent.w.cross(parent.w.cross(r)) + T(2) * parent.w.cross(v_J) +
+               rate.template tail<3>();
       continue;
     }
     // Relative motion is seen from this (first) body: subtract it as it is seen from here, then go from p_M to p_F.
-    const Vector3d& lever = pos.nodes[i].lever;
-    const Vector3d r_M = r - lever;
-    const Vector3d v_M = v_J - w_J.cross(lever);
-    here.alpha = parent.alpha + here.w.cross(w_J) - rate.head<3>();
-    here.a = parent.a + parent.alpha.cross(r_M) + parent.w.cross(parent.w.cross(r_M)) + 2 * here.w.cross(v_M) -
-             rate.tail<3>() + here.alpha.cross(lever) + here.w.cross(here.w.cross(lever));
+    const Vector& lever = pos.nodes[i].lever;
+    const Vector r_M = r - lever;
+    const Vector v_M = v_J - w_J.cross(lever);
+    here.alpha = parent.alpha + here.w.cross(w_J) - rate.template head<3>();
+    here.a = parent.a + parent.alpha.cross(r_M) + parent.w.cross(parent.w.cross(r_M)) + T(2) * here.w.cross(v_M) -
+             rate.template tail<3>() + here.alpha.cross(lever) + here.w.cross(here.w.cross(lever));
   }
 }
+
+template BasicPositionKinematics<Traced> make_basic_position_kinematics(const System&);
+template BasicVelocityKinematics<Traced> make_basic_velocity_kinematics(const System&);
+template void compute_positions(const System&, const VectorXd&, PositionKinematics&);
+template void compute_positions(const System&, const Eigen::VectorX<Traced>&, BasicPositionKinematics<Traced>&);
+template void compute_velocities(const System&, const PositionKinematics&, const VectorXd&, const VectorXd&,
+                                 VelocityKinematics&);
+template void compute_velocities(const System&, const BasicPositionKinematics<Traced>&, const Eigen::VectorX<Traced>&,
+                                 const Eigen::VectorX<Traced>&, BasicVelocityKinematics<Traced>&);
 
 void compute_accelerations(const System& system, const PositionKinematics& pos, const VelocityKinematics& vel,
                            const VectorXd& vdot, VelocityKinematics& out) {

@@ -32,6 +32,10 @@ class ExpressionGraph {
   /// name.
   int add(const ExpressionTree& tree, std::span<const int> input_of_text);
 
+  int constant(double value);
+  int input(int index);
+  int operation(ExpressionOp op, int a, int b, int c);
+
   const std::vector<Value>& values() const { return values_; }
 
  private:
@@ -45,9 +49,6 @@ class ExpressionGraph {
     std::size_t operator()(const Key& key) const;
   };
 
-  int constant(double value);
-  int input(int index);
-  int operation(ExpressionOp op, int a, int b, int c);
   int negation(int a);
   int sum(int a, int b);
   int difference(int a, int b);

@@ -25,7 +25,7 @@ struct HyperDual {
   double d = 0;  ///< Second derivative along both.
 
   constexpr HyperDual() = default;
-  constexpr HyperDual(double value) : a(value) {}  // NOLINT(google-explicit-constructor): constants are numbers
+  constexpr HyperDual(double value) : a(value) {}  // Implicit: constants are numbers
   constexpr HyperDual(double value, double first, double second, double both = 0)
       : a(value), b(first), c(second), d(both) {}
 

@@ -25,12 +25,14 @@ std::shared_ptr<const MachineMemory> MachineMemory::make(std::span<const std::ui
 MachineMemory::~MachineMemory() { munmap(begin_, size_); }
 
 bool has_machine_code() { return __builtin_cpu_supports("avx"); }
+bool has_fused_instructions() { return __builtin_cpu_supports("fma"); }
 
 #else
 
 std::shared_ptr<const MachineMemory> MachineMemory::make(std::span<const std::uint8_t>) { return nullptr; }
 MachineMemory::~MachineMemory() = default;
 bool has_machine_code() { return false; }
+bool has_fused_instructions() { return false; }
 
 #endif
 

@@ -27,5 +27,7 @@ class MachineMemory {
 
 /// Whether this processor executes the instructions that X86Assembler writes.
 bool has_machine_code();
+/// Whether it multiplies and adds with one rounding.
+bool has_fused_instructions();
 
 }  // namespace ferrers

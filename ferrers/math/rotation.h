@@ -7,18 +7,22 @@
 namespace ferrers {
 
 /// Pose of a frame B in a frame A: rotation `R` (columns are B's axes in A) and position `p` of B's origin, in A axes.
-struct Pose {
-  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
-  Eigen::Vector3d p = Eigen::Vector3d::Zero();
+template <class T>
+struct BasicPose {
+  using Vector = Eigen::Matrix<T, 3, 1>;
+  using Matrix = Eigen::Matrix<T, 3, 3>;
+  Matrix R = Matrix::Identity();
+  Vector p = Vector::Zero();
 
-  Pose() = default;
-  Pose(const Eigen::Matrix3d& rotation, const Eigen::Vector3d& position) : R(rotation), p(position) {}
+  BasicPose() = default;
+  BasicPose(const Matrix& rotation, const Vector& position) : R(rotation), p(position) {}
 
   /// X_AC = X_AB · X_BC.
-  Pose operator*(const Pose& o) const { return {R * o.R, p + R * o.p}; }
-  Eigen::Vector3d operator*(const Eigen::Vector3d& point) const { return p + R * point; }
-  Pose inverse() const { return {R.transpose(), -(R.transpose() * p)}; }
+  BasicPose operator*(const BasicPose& o) const { return {R * o.R, p + R * o.p}; }
+  Vector operator*(const Vector& point) const { return p + R * point; }
+  BasicPose inverse() const { return {R.transpose(), -(R.transpose() * p)}; }
 };
+using Pose = BasicPose<double>;
 
 /// [a]× with [a]× b = a × b.
 inline Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& a) {
@@ -28,8 +32,9 @@ inline Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& a) {
 }
 
 /// Rotation matrix of a unit quaternion stored as (w, x, y, z).
-inline Eigen::Matrix3d quaternion_matrix(const double* wxyz) {
-  return Eigen::Quaterniond(wxyz[0], wxyz[1], wxyz[2], wxyz[3]).toRotationMatrix();
+template <class T>
+Eigen::Matrix<T, 3, 3> quaternion_matrix(const T* wxyz) {
+  return Eigen::Quaternion<T>(wxyz[0], wxyz[1], wxyz[2], wxyz[3]).toRotationMatrix();
 }
 
 /// Quaternion of a rotation vector (angle times axis), exact through angle 0.

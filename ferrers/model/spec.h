@@ -27,7 +27,7 @@ struct Number {
   SourceRange at;
 
   Number() = default;
-  Number(double v) : value(v) {}  // NOLINT(google-explicit-constructor): numbers are written as numbers
+  Number(double v) : value(v) {}  // Implicit: numbers are written as numbers
 };
 
 using Number3 = std::array<Number, 3>;

@@ -12,7 +12,7 @@ class ConstantAcceleration final : public Stepper {
       : pos_(make_position_kinematics(evaluator.system())),
         vel_(make_velocity_kinematics(evaluator.system())),
         constraints_(
-            make_constraint_kinematics(evaluator.system(), static_cast<int>(evaluator.equations().driven.size()))),
+            make_constraint_kinematics(evaluator.system(), static_cast<int>(evaluator.driven().size()))),
         drive_work_(make_drive_evaluation(evaluator.model())) {}
 
   Outcome step(Evaluator& evaluator, const State& state, double h, State& next) override {
@@ -47,7 +47,7 @@ class ConstantAcceleration final : public Stepper {
     const Selection& s = evaluator.selection();
     compute_positions(evaluator.system(), state.q, pos_);
     compute_constraints(evaluator.system(), state, pos_, vel_, constraints_);
-    compute_driven_rows(evaluator.model(), state, evaluator.equations().driven, pos_, vel_, drive_work_, constraints_);
+    compute_driven_rows(evaluator.model(), state, evaluator.driven(), pos_, vel_, drive_work_, constraints_);
     lu_.compute(MatrixXd(constraints_.G(s.rows, s.dependent)));
   }
 

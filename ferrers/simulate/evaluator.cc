@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "ferrers/dynamics/lagrangian_terms.h"
 #include "ferrers/redundancy/rank_notice.h"
@@ -38,6 +39,9 @@ Evaluator::Evaluator(std::shared_ptr<const DynamicsModel> model, Formulation for
       no_force_(VectorXd::Zero(model_->system->nv)),
       residual_rhs_(VectorXd::Zero(row_scale_.size())),
       efforts_(VectorXd::Zero(model_->nu())),
+      applied_(no_force_),
+      closure_{VectorXd::Zero(model_->system->m), VectorXd::Zero(model_->system->m), no_force_, no_force_},
+      last_(make_drawn_state(*model_->system)),
       correction_(result_),
       friction_(model_, distribution) {}
 
@@ -67,6 +71,8 @@ void Evaluator::use(Selection joints) {
     }
   }
   solver_ = make_forward_solver(formulation_, system(), selection_);
+  stage_program_ = closure_program_ = nullptr;
+  programs_sought_ = false;
   latest_ = before_latest_ = Watched();  // other pivots
   result_.lambda.setZero();
   correction_.lambda.setZero();
@@ -86,6 +92,7 @@ void Evaluator::record(double t, const std::string& reason, RunSummary& summary)
 }
 
 void Evaluator::decide(const State& state, const std::string& reason, RunSummary& summary) {
+  poses_stale_ = equations_stale_ = false;
   compute_kinematics(*model_, state, eq_);
   RankDecision decision;
   use(select_independent(system(), scaling_, eq_.constraints, &decision));
@@ -98,9 +105,9 @@ void Evaluator::decide(const State& state, const std::string& reason, RunSummary
 ForwardStatus Evaluator::choose_again(const State& state, RunSummary& summary) {
   const Selection previous = joint_selection_;
   const double healthy = healthy_pivot_;
-  use(reselect(system(), scaling_, eq_.constraints, previous));
+  use(reselect(system(), scaling_, equations().constraints, previous));
   ForwardStatus status = evaluate(state);
-  if (status == ForwardStatus::kSolved && !is_worn_pivot(solver_->smallest_pivot(), best_pivot_)) {
+  if (status == ForwardStatus::kSolved && !is_worn_pivot(pivot_, best_pivot_)) {
     record(state.t, "the coordinates chosen before became ill-conditioned", summary);
     return status;
   }
@@ -112,7 +119,16 @@ ForwardStatus Evaluator::choose_again(const State& state, RunSummary& summary) {
 
 ForwardStatus Evaluator::evaluate(const State& state) {
   ++evaluations_;
+  equations_stale_ = false;
   compute_equations(*model_, state, eq_);
+  poses_stale_ = false;
+  double place = 0, speed = 0, turn = 0;
+  for (int i = 1; i < system().body_nodes; ++i) {
+    place = std::max(place, eq_.pos.nodes[i].p.squaredNorm());
+    speed = std::max(speed, eq_.vel.nodes[i].v.squaredNorm());
+    turn = std::max(turn, eq_.vel.nodes[i].w.squaredNorm());
+  }
+  note_sizes(place, speed, turn);
   coordinate_size_ = coordinate_speed_ = 0;
   for (std::size_t i = static_cast<std::size_t>(system().body_nodes); i < system().nodes.size(); ++i) {
     const Node& node = system().nodes[i];
@@ -124,11 +140,7 @@ ForwardStatus Evaluator::evaluate(const State& state) {
     return ForwardStatus::kWornSelection;
   }
   if (state.t >= motion_problem_t_) motion_problem_.clear();
-  for (std::size_t i = 0; i < off_.size(); ++i) {
-    if (!off_[i]) continue;
-    eq_.force -= eq_.u[static_cast<long>(i)] * eq_.B_transposed.row(static_cast<long>(i)).transpose();
-    eq_.u[static_cast<long>(i)] = 0;
-  }
+  switch_off();
   solver_->solve(eq_, result_);
   if (result_.status != ForwardStatus::kSolved) return result_.status;
   friction_problem_.clear();
@@ -136,12 +148,90 @@ ForwardStatus Evaluator::evaluate(const State& state) {
     friction_problem_ = friction_.message();
     return ForwardStatus::kWornSelection;
   }
-  const double pivot = solver_->smallest_pivot();
+  note_pivot(state.t, solver_->smallest_pivot());
+  return result_.status;
+}
+
+void Evaluator::note_pivot(double t, double pivot) {
+  pivot_ = pivot;
   if (!pivot_known_) healthy_pivot_ = pivot;
   pivot_known_ = true;
   best_pivot_ = std::max(best_pivot_, pivot);
-  watch(state.t, pivot);
-  return result_.status;
+  watch(t, pivot);
+}
+
+// ---- native code
+// -----------------------------------------------------------------------------------------------------
+
+bool Evaluator::finds_programs() {
+  if (programs_sought_) return stage_program_ != nullptr;
+  const SparseKkt* const order = solver_->order();
+  if (order == nullptr) return false;  // nothing was solved yet, or another formulation
+  programs_sought_ = true;
+  if (!eq_.driven.empty() || friction_.any() || !ForwardProgram::knows(*model_)) return false;
+  const auto find = [&](ForwardProgram::Extent extent) {
+    return (*model_->programs).find_or_make(*model_, *order, extent);
+  };
+  stage_program_ = find(ForwardProgram::Extent::kAccelerations);
+  closure_program_ = find(ForwardProgram::Extent::kClosure);
+  if (!stage_program_->is_native() || !closure_program_->is_native()) {
+    stage_program_ = closure_program_ = nullptr;
+    return false;
+  }
+  stage_board_ = stage_program_->make_board();
+  closure_board_ = closure_program_->make_board();
+  return true;
+}
+
+// Drives that do not act.
+void Evaluator::switch_off() {
+  for (std::size_t i = 0; i < off_.size(); ++i) {
+    if (!off_[i]) continue;
+    eq_.force -= eq_.u[static_cast<long>(i)] * eq_.B_transposed.row(static_cast<long>(i)).transpose();
+    eq_.u[static_cast<long>(i)] = 0;
+  }
+}
+
+bool Evaluator::evaluate_natively(const State& state, const ForwardProgram& program, Kernel::Board& board,
+                                  ForwardProgram::Closure* closure) {
+  ++evaluations_;
+  last_ = state;
+  poses_stale_ = equations_stale_ = true;
+  if (program.wants_applied()) {
+    compute_untraced_forces(*model_, state, eq_, applied_);
+    for (std::size_t i = 0; i < off_.size(); ++i) {
+      if (!off_[i]) continue;
+      applied_ -= eq_.u[static_cast<long>(i)] * eq_.B_transposed.row(static_cast<long>(i)).transpose();
+      eq_.u[static_cast<long>(i)] = 0;
+    }
+  }
+  ForwardProgram::Watched watched;
+  if (program.evaluate(state, applied_, board, result_, watched, closure) != ForwardStatus::kSolved) return false;
+  other_power_ = watched.power;
+  if (closure != nullptr) note_sizes(closure->place, closure->speed, closure->turn);
+  note_pivot(state.t, watched.smallest_pivot);
+  return true;
+}
+
+const PositionKinematics& Evaluator::positions() {
+  if (!std::exchange(poses_stale_, false)) return eq_.pos;
+  compute_positions(system(), last_.q, eq_.pos);
+  compute_velocities(system(), eq_.pos, last_.q, last_.v, eq_.vel);
+  return eq_.pos;
+}
+
+const VelocityKinematics& Evaluator::velocities() {
+  positions();
+  return eq_.vel;
+}
+
+const Equations& Evaluator::equations() {
+  if (!equations_stale_) return eq_;
+  poses_stale_ = equations_stale_ = false;
+  compute_equations(*model_, last_, eq_);
+  switch_off();
+  solver_->solve(eq_, correction_);  // the factors
+  return eq_;
 }
 
 void Evaluator::reset_watch() {
@@ -164,9 +254,10 @@ void Evaluator::watch(double t, double pivot) {
   }
 }
 
-double Evaluator::longest_followed_turn() const {
+double Evaluator::longest_followed_turn() {
   constexpr double kFarthest = 2;  // rad; from π on the count is lost
-  return kFarthest / fastest_turn(system(), eq_.pos, eq_.vel);
+  if (system().winding_count == 0) return std::numeric_limits<double>::infinity();
+  return kFarthest / fastest_turn(system(), positions(), velocities());
 }
 
 // The earliest one ahead is kept: a step that met it is tried again, shorter.
@@ -184,25 +275,28 @@ bool Evaluator::laws_agree(double t) {
   return false;
 }
 
+// Squares.
+void Evaluator::note_sizes(double place, double speed, double turn) {
+  place_ = std::sqrt(place);
+  speed_ = std::sqrt(speed);
+  turn_ = std::sqrt(turn);
+}
+
 double Evaluator::rounding_of_positions() const {
-  double place = 0;
-  for (int i = 1; i < system().body_nodes; ++i) place = std::max(place, eq_.pos.nodes[i].p.squaredNorm());
-  return 2 * std::numeric_limits<double>::epsilon() * std::max({scaling_.length_m, std::sqrt(place), coordinate_size_});
+  return 2 * std::numeric_limits<double>::epsilon() * std::max({scaling_.length_m, place_, coordinate_size_});
 }
 
 // What it leaves in G v, m/s.
 double Evaluator::rounding_of_velocities() const {
-  double speed = 0, turn = 0;
-  for (int i = 1; i < system().body_nodes; ++i) {
-    speed = std::max(speed, eq_.vel.nodes[i].v.squaredNorm());
-    turn = std::max(turn, eq_.vel.nodes[i].w.squaredNorm());
-  }
-  return 2 * std::numeric_limits<double>::epsilon() *
-         (std::sqrt(speed) + scaling_.length_m * std::sqrt(turn) + coordinate_speed_);
+  return 2 * std::numeric_limits<double>::epsilon() * (speed_ + scaling_.length_m * turn_ + coordinate_speed_);
 }
 
 double Evaluator::settle(State& state, const VectorXd* offset) {
   normalize_quaternions(system(), state.q);
+  if (offset == nullptr && finds_programs() && ForwardProgram::reaches(state)) {
+    const double gap = settle_natively(state);
+    if (std::isfinite(gap)) return gap;  // else the parts may know better
+  }
   double before = INFINITY, rate_before = INFINITY, gap = 0;
   for (int i = 0; i < 8; ++i) {
     if (evaluate(state) != ForwardStatus::kSolved) return INFINITY;
@@ -234,12 +328,40 @@ double Evaluator::settle(State& state, const VectorXd* offset) {
   return gap;
 }
 
+double Evaluator::settle_natively(State& state) {
+  double before = INFINITY, rate_before = INFINITY, gap = 0;
+  for (int i = 0; i < 8; ++i) {
+    if (!evaluate_natively(state, *closure_program_, closure_board_, &closure_)) return INFINITY;
+    gap = 0;
+    double rate_gap = 0;
+    for (const int row : selection_.rows) {
+      gap = std::max(gap, std::abs(closure_.phi[row]) * row_scale_[row]);
+      rate_gap = std::max(rate_gap, std::abs(closure_.rate[row]) * row_scale_[row]);
+    }
+    if (!std::isfinite(gap) || !std::isfinite(rate_gap)) return INFINITY;
+    const bool closed = gap <= rounding_of_positions() || (i > 1 && gap > 0.5 * before);
+    const bool calm = rate_gap <= rounding_of_velocities() || (i > 1 && closed && rate_gap > 0.5 * rate_before);
+    if (closed && calm) break;
+    before = gap;
+    rate_before = rate_gap;
+    if (!calm) state.v += closure_.dv;
+    if (!closed) displace(system(), closure_.dq, state.q);
+  }
+  eq_.constraints.phi = closure_.phi;
+  eq_.constraints.rate = closure_.rate;
+  return gap;
+}
+
 bool Evaluator::evaluate_stage(State& state) {
+  if (!settles_stages_ && finds_programs() && ForwardProgram::reaches(state)) {
+    if (evaluate_natively(state, *stage_program_, stage_board_, nullptr)) return true;
+    return evaluate(state) == ForwardStatus::kSolved;  // the parts know some poses more
+  }
   return settles_stages_ ? std::isfinite(settle(state)) : evaluate(state) == ForwardStatus::kSolved;
 }
 
 void Evaluator::keep_admissible(VectorXd& dv) {
-  residual_rhs_.noalias() = -eq_.constraints.G * dv;
+  residual_rhs_.noalias() = -equations().constraints.G * dv;
   solver_->resolve(no_force_, residual_rhs_, correction_);
   dv += correction_.vdot;
 }
@@ -265,7 +387,7 @@ Work Evaluator::power(const State& state) const {
   for (int i = 0; i < model_->nu(); ++i) {
     if (eq_.u[i] != 0) out.drives += eq_.u[i] * eq_.B_transposed.row(i).dot(state.v);
   }
-  out.others = state.v.dot(eq_.force + eq_.h) - out.drives;
+  out.others = (equations_stale_ ? state.v.dot(applied_) + other_power_ : state.v.dot(eq_.force + eq_.h)) - out.drives;
   if (model_->lagrangian.power_of_time) {
     out.others += compute_lagrangian_energy(*model_, state, eq_.pos, eq_.vel).power_of_time;
   }
@@ -286,7 +408,7 @@ const VectorXd& Evaluator::efforts() {
   return efforts_;
 }
 
-bool Evaluator::is_worn() const { return pivot_known_ && is_worn_pivot(solver_->smallest_pivot(), healthy_pivot_); }
+bool Evaluator::is_worn() const { return pivot_known_ && is_worn_pivot(pivot_, healthy_pivot_); }
 
 double Evaluator::left_out_residual() const {
   const ConstraintKinematics& c = eq_.constraints;

@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "ferrers/dynamics/forward.h"
+#include "ferrers/dynamics/forward_program.h"
 #include "ferrers/dynamics/friction.h"
 #include "ferrers/simulate/simulation.h"
 
@@ -39,7 +39,8 @@ class Evaluator {
   /// Whether states within a step are put on the constraints before they are evaluated: near a singular pose what the
   /// closures lack reaches the accelerations multiplied by 1/δ³.
   void settle_stages(bool settle) { settles_stages_ = settle; }
-  /// A state within a step: evaluates there, after settling it if that is wanted.
+  /// A state within a step: evaluates there, after settling it if that is wanted. Where the model's own native code can
+  /// do it (dynamics/forward_program.h), only `result()`, `power` and the pivots are known at once.
   bool evaluate_stage(State& state);
   double rounding_of_positions() const;  ///< What rounding alone leaves in phi, m.
   bool settles_stages() const { return settles_stages_; }
@@ -53,14 +54,14 @@ class Evaluator {
   Work power(const State& state) const;
   /// Length of a step in which no joint that closes a loop turns so far that its turns are lost count of, s, as things
   /// move at the last evaluation; infinity where nothing turns.
-  double longest_followed_turn() const;
+  double longest_followed_turn();
   bool is_worn() const;
   /// Smallest pivot of the evaluations since `reset_watch`, over the best one known: how much rounding is amplified.
   double smallest_pivot_ratio() const { return best_pivot_ > 0 ? smallest_pivot_ / best_pivot_ : 1; }
   /// Remembers the residual of the last evaluation as that of the step about to be taken.
   void note_residual() { residual_ = left_out_residual(); }
   double residual_at_step() const { return residual_; }
-  double pivot() const { return solver_->smallest_pivot(); }  ///< At the last evaluation.
+  double pivot() const { return pivot_; }  ///< At the last evaluation.
   double best_pivot() const { return best_pivot_; }
   void reset_watch();
   /// An evaluation since `reset_watch` a little before the latest in time: how the pivot goes.
@@ -90,12 +91,24 @@ class Evaluator {
   /// Efforts of all drives, nu: laws, and what the prescribed ones turned out to need. Brings what `equations()` tells
   /// about idle efforts up to date.
   const VectorXd& efforts();
-  const Equations& equations() const { return eq_; }
+  /// At the last evaluation. Computes what native code left out.
+  const Equations& equations();
+  const std::vector<int>& driven() const { return eq_.driven; }
+  /// The parts of these that are wanted most.
+  const PositionKinematics& positions();
+  const VelocityKinematics& velocities();
   const ForwardResult& result() const { return result_; }
   long evaluations() const { return evaluations_; }
 
  private:
   void use(Selection joints);
+  bool finds_programs();
+  bool evaluate_natively(const State& state, const ForwardProgram& program, Kernel::Board& board,
+                         ForwardProgram::Closure* closure);
+  double settle_natively(State& state);
+  void switch_off();
+  void note_sizes(double place, double speed, double turn);
+  void note_pivot(double t, double pivot);
   double rounding_of_velocities() const;
   void note_motion_problem(double t, std::string problem);
   bool laws_agree(double t);
@@ -114,17 +127,28 @@ class Evaluator {
   VectorXd row_scale_;                              ///< Of all rows.
   std::vector<int> implied_drives_, implied_rows_;  ///< The same drives; their places in `eq_.driven`.
   std::vector<bool> off_;                           ///< Per drive component; empty: all act.
-  VectorXd no_force_, residual_rhs_, efforts_;
+  VectorXd no_force_, residual_rhs_, efforts_, applied_;
+  // Native code for the selection, once the order of elimination is known; null: there is none, or not yet.
+  std::shared_ptr<const ForwardProgram> stage_program_, closure_program_;
+  Kernel::Board stage_board_, closure_board_;
+  ForwardProgram::Closure closure_;
+  bool programs_sought_ = false;
+  State last_;                    ///< Of the last native evaluation.
+  bool poses_stale_ = false;      ///< `eq_.pos` and `eq_.vel` are not those of the last evaluation.
+  bool equations_stale_ = false;  ///< `eq_` and the factors are not those of the last evaluation.
   ForwardResult correction_;
   std::string driven_conflict_, friction_problem_, motion_problem_;
   double motion_problem_t_ = 0;
   FrictionSolver friction_;
+  double pivot_ = 1;
+  double other_power_ = 0;                     ///< Of forces that native code knows by itself, W.
   double healthy_pivot_ = 0, best_pivot_ = 0;  ///< When rows and coordinates were chosen; the largest of those.
   double smallest_pivot_ = std::numeric_limits<double>::infinity();
   double watch_start_ = 0;
   Watched latest_, before_latest_;
   bool pivot_known_ = false, settles_stages_ = false;
   double residual_ = 0;
+  double place_ = 0, speed_ = 0, turn_ = 0;            ///< The largest of the bodies' nodes: m, m/s, rad/s.
   double coordinate_size_ = 0, coordinate_speed_ = 0;  ///< Largest of the generalized coordinates, scaled: m, m/s.
   long evaluations_ = 0;
 };

@@ -83,7 +83,11 @@ class Stages {
  private:
   void add(const Weights& weights) {
     sum_.setZero();
-    for (const Weight& w : weights) sum_.noalias() += w.value * K_.col(w.stage);
+    double* const sum = sum_.data();
+    for (const Weight& w : weights) {
+      const double* const k = K_.data() + w.stage * K_.rows();
+      for (long i = 0; i < K_.rows(); ++i) sum[i] += w.value * k[i];
+    }
   }
 
   void place(const State& state, double c, State& out) const {

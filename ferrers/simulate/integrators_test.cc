@@ -109,7 +109,9 @@ TEST_P(ToleranceTest, TwoFourBarsMeetTheToleranceThroughEverySingularPose) {
   const ProbedRun run = probe_run(make_n_four_bar(2, 0, 1), options);
   ASSERT_EQ(run.summary.status, RunStatus::kFinished) << run.summary.message;
   const double error = (run.point(10, "B0") - Vector3d(0.3284581115408154, 0.9445185381786010, 0)).norm();
-  const bool says_so = run.summary.error_estimate && *run.summary.error_estimate > 10 * GetParam();
+  const auto& notices = run.summary.notices;
+  const bool too_tight = !notices.empty() && notices.back().find("rounding") != std::string::npos;
+  const bool says_so = too_tight || (run.summary.error_estimate && *run.summary.error_estimate > 10 * GetParam());
   EXPECT_TRUE(error <= GetParam() || says_so) << error << " for a tolerance of " << GetParam();
   ASSERT_TRUE(run.summary.error_estimate.has_value());
   EXPECT_LE(error, 10 * *run.summary.error_estimate);

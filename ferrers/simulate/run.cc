@@ -57,7 +57,7 @@ Run::Run(std::shared_ptr<const DynamicsModel> model, const SimulationOptions& op
       events_(model_),
       limits_(model_),
       control_steps_(local_tolerance(options), std::max(options.grid.t_end, options.grid.every), looser),
-      driven_(evaluator_.equations().driven),
+      driven_(evaluator_.driven()),
       off_(model_->drives.size(), false) {
   for (int i = 0; i < model_->nu(); ++i) {
     const std::string& name = system().model->drives()[model_->drives[i].drive.index()].name;
@@ -157,7 +157,7 @@ bool Run::start() {
     for (const int i : evaluator_.implied_drives()) summary_.effort_is_shared[static_cast<std::size_t>(i)] = true;
   }
   choose_method();
-  if (!evaluator_.equations().driven.empty() && !put_on_laws()) return false;
+  if (!evaluator_.driven().empty() && !put_on_laws()) return false;
   if (!solved(evaluator_.evaluate(state_))) return false;
   if (!std::isfinite(evaluator_.settle(state_))) return stuck();
   events_.start(state_);
@@ -194,7 +194,7 @@ void Run::choose_method() {
 
 // Prescribed coordinates start where their laws do: walked to in small pieces, then velocities follow.
 bool Run::put_on_laws() {
-  const auto k = static_cast<long>(evaluator_.equations().driven.size());
+  const auto k = static_cast<long>(evaluator_.driven().size());
   if (!solved(evaluator_.evaluate(state_))) return false;
   const VectorXd gap = evaluator_.equations().constraints.phi.tail(k);
   const double size = gap.cwiseProduct(evaluator_.row_scale().tail(k)).lpNorm<Eigen::Infinity>();
@@ -267,7 +267,7 @@ bool Run::stuck() {
 
 void Run::march() {
   const std::vector<double> times = options_.grid.times();
-  if (limits_.any()) limits_.observe(state_, evaluator_.equations().pos, evaluator_.equations().vel);
+  if (limits_.any()) limits_.observe(state_, evaluator_.positions(), evaluator_.velocities());
   auto due = static_cast<std::size_t>(std::upper_bound(times.begin(), times.end(), state_.t) - times.begin());
   while (due < times.size()) {
     if (!take_step(times, due) || !finish_step(times, due)) return;
@@ -311,7 +311,7 @@ bool Run::accept() {
   summary_.largest_step = std::max(summary_.largest_step, h);
   summary_.smallest_step = summary_.smallest_step > 0 ? std::min(summary_.smallest_step, h) : h;
   std::swap(state_, next_);
-  accept_winding(system(), evaluator_.equations().pos, state_);
+  if (system().winding_count > 0) accept_winding(system(), evaluator_.positions(), state_);
   if (evaluator_.left_out_residual() > 1e4 * closed_tolerance(evaluator_.scaling())) {
     return fail(RunStatus::kRedundancyEnded,
                 fmt::format("at t = {:g} s constraints that were left out as dependent no longer hold (by {:g} m): the "
@@ -367,7 +367,7 @@ bool Run::act(const EventWatch::Hit& hit) {
   if (!meets_laws(event)) return false;
   if (!solved(evaluator_.evaluate(state_))) return false;
   if (!std::isfinite(evaluator_.settle(state_))) return stuck();
-  accept_winding(system(), evaluator_.equations().pos, state_);
+  if (system().winding_count > 0) accept_winding(system(), evaluator_.positions(), state_);
   stepper_ = make_stepper(integrator_of(options_), evaluator_, !adaptive_);
   control_steps_.restart(state_.t);
   events_.acted(hit.event);
@@ -386,7 +386,7 @@ bool Run::land_on(double t) {
   if (!outcome.finite) return stuck();
   std::swap(state_, next_);
   state_.t = t;
-  accept_winding(system(), evaluator_.equations().pos, state_);
+  if (system().winding_count > 0) accept_winding(system(), evaluator_.positions(), state_);
   work_.drives += outcome.work.drives;
   work_.others += outcome.work.others;
   return true;
@@ -448,7 +448,7 @@ bool Run::meets_laws(const Event& event) {
                 fmt::format("event '{}' at t = {:g} s prescribes more motions than there are: {}", event.name, state_.t,
                             evaluator_.driven_conflict()));
   }
-  if (evaluator_.equations().driven.empty()) return true;
+  if (evaluator_.driven().empty()) return true;
   const double off_by = evaluator_.left_out_residual();
   const auto refuse = [&](const char* what, double by, const char* unit) {
     return fail(
@@ -460,7 +460,7 @@ bool Run::meets_laws(const Event& event) {
   const double L = evaluator_.scaling().length_m;
   if (off_by > 1e-6 * L) return refuse("is elsewhere", off_by, "m");
   const ConstraintKinematics& rows = evaluator_.equations().constraints;
-  const long k = static_cast<long>(evaluator_.equations().driven.size());
+  const long k = static_cast<long>(evaluator_.driven().size());
   const VectorXd scale = evaluator_.row_scale().tail(k);
   const double faster = (rows.rate - rows.nu).tail(k).cwiseProduct(scale).lpNorm<Eigen::Infinity>();
   const double speed = rows.nu.tail(k).cwiseProduct(scale).lpNorm<Eigen::Infinity>() + L;
@@ -525,7 +525,7 @@ bool Run::record(const State& state, const VectorXd& vdot, bool solved) {
 }
 
 void Run::follow_momentum(bool first) {
-  const Momentum now = compute_momentum(*model_, evaluator_.equations().pos, evaluator_.equations().vel);
+  const Momentum now = compute_momentum(*model_, evaluator_.positions(), evaluator_.velocities());
   if (!summary_.momentum) summary_.momentum.emplace();
   MomentumSummary& m = *summary_.momentum;
   if (first) {

@@ -14,7 +14,7 @@ struct Dual {
   double b = 0;  ///< Derivative.
 
   Dual() = default;
-  Dual(double value) : a(value) {}  // NOLINT(google-explicit-constructor): constants are written as numbers
+  Dual(double value) : a(value) {}  // Implicit: constants are written as numbers
   Dual(double value, double derivative) : a(value), b(derivative) {}
 
   Dual& operator+=(const Dual& o) { return *this = {a + o.a, b + o.b}; }

@@ -8,14 +8,19 @@ constexpr std::array<CoordinateInfo, 1> kLengthKind = {{{"position", CoordinateK
 constexpr std::array<CoordinateInfo, 1> kOther = {{{"position", CoordinateKind::kOther}}};
 constexpr std::array<std::string_view, 1> kPositions = {"position"};
 
-void motion(const JointConstants&, const double*, Pose& X_FM) { X_FM = Pose(); }
+template <class T>
+void motion(const JointConstants&, const T*, BasicPose<T>& X_FM) {
+  X_FM = BasicPose<T>();
+}
 
-void subspace(const JointConstants&, const double*, const double*, Twist* S, Twist& S_dot_v) {
+template <class T>
+void subspace(const JointConstants&, const T*, const T*, Eigen::Matrix<T, 6, 1>* S, Eigen::Matrix<T, 6, 1>& S_dot_v) {
   S[0].setZero();
   S_dot_v.setZero();
 }
 
-void rows(const JointConstants&, const RelativeMotion&, const double*, Jet*) {}
+template <class T>
+void rows(const JointConstants&, const BasicRelativeMotion<T>&, const T*, BasicJet<T>*) {}
 
 void coordinates(const JointConstants&, const RelativeMotion&, Jet* out) { out[0] = Jet(); }
 
@@ -28,9 +33,9 @@ constexpr JointTypeInfo make(JointType type, std::string_view name, std::span<co
           .coordinates = info,
           .position_names = kPositions,
           .carries_body = false,
-          .motion = motion,
-          .subspace = subspace,
-          .rows = rows,
+          .motion = {motion<double>, motion<Traced>},
+          .subspace = {subspace<double>, subspace<Traced>},
+          .rows = {rows<double>, rows<Traced>},
           .coordinate_jets = coordinates};
 }
 

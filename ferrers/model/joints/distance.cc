@@ -5,8 +5,9 @@ namespace {
 
 constexpr std::array<int, 1> kRows = {2};
 
-void rows(const JointConstants& constants, const RelativeMotion& m, const double*, Jet* out) {
-  Jet sum;
+template <class T>
+void rows(const JointConstants& constants, const BasicRelativeMotion<T>& m, const T*, BasicJet<T>* out) {
+  BasicJet<T> sum;
   for (int i = 0; i < 3; ++i) sum = sum + square(along_first(m, m.R_F.col(i)));
   out[0] = sqrt(sum) + (-constants.length_m);
 }
@@ -18,6 +19,6 @@ const JointTypeInfo kDistanceJoint = {.type = JointType::kDistance,
                                       .name = "distance",
                                       .placement = PlacementRule::kTwoPoints,
                                       .row_components = kRows,
-                                      .rows = rows};
+                                      .rows = {rows<double>, rows<Traced>}};
 
 }  // namespace ferrers

@@ -11,17 +11,20 @@ constexpr std::array<CoordinateInfo, 6> kCoordinates = {{{"omega_x", CoordinateK
                                                          {"v_z", CoordinateKind::kPointVelocity}}};
 constexpr std::array<std::string_view, 7> kPositions = {"x", "y", "z", "qw", "qx", "qy", "qz"};
 
-void motion(const JointConstants&, const double* q, Pose& X_FM) {
+template <class T>
+void motion(const JointConstants&, const T* q, BasicPose<T>& X_FM) {
   X_FM.R = quaternion_matrix(q + 3);
-  X_FM.p = Eigen::Vector3d(q[0], q[1], q[2]);
+  X_FM.p = Eigen::Matrix<T, 3, 1>(q[0], q[1], q[2]);
 }
 
-void subspace(const JointConstants&, const double*, const double*, Twist* S, Twist& S_dot_v) {
-  for (int i = 0; i < 6; ++i) S[i] = Twist::Unit(i);
+template <class T>
+void subspace(const JointConstants&, const T*, const T*, Eigen::Matrix<T, 6, 1>* S, Eigen::Matrix<T, 6, 1>& S_dot_v) {
+  for (int i = 0; i < 6; ++i) S[i] = Eigen::Matrix<T, 6, 1>::Unit(i);
   S_dot_v.setZero();
 }
 
-void rows(const JointConstants&, const RelativeMotion&, const double*, Jet*) {}
+template <class T>
+void rows(const JointConstants&, const BasicRelativeMotion<T>&, const T*, BasicJet<T>*) {}
 
 }  // namespace
 
@@ -35,8 +38,8 @@ const JointTypeInfo kFreeJoint = {.type = JointType::kFree,
                                   .position_names = kPositions,
                                   .can_be_tree = true,
                                   .quaternion_at = 3,
-                                  .motion = motion,
-                                  .subspace = subspace,
-                                  .rows = rows};
+                                  .motion = {motion<double>, motion<Traced>},
+                                  .subspace = {subspace<double>, subspace<Traced>},
+                                  .rows = {rows<double>, rows<Traced>}};
 
 }  // namespace ferrers

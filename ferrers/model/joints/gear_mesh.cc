@@ -6,7 +6,8 @@ namespace {
 constexpr std::array<int, 1> kRows = {0};
 
 // Directions of the line of centres seen from each gear.
-void angles(const JointConstants&, const RelativeMotion& m, Jet* out) {
+template <class T>
+void angles(const JointConstants&, const BasicRelativeMotion<T>& m, BasicJet<T>* out) {
   out[0] = atan2(along_first(m, m.R_F.col(1)), along_first(m, m.R_F.col(0)));
   out[1] = atan2(along_second(m, m.R_M.col(1)), along_second(m, m.R_M.col(0)));
 }
@@ -15,18 +16,20 @@ void angles(const JointConstants&, const RelativeMotion& m, Jet* out) {
 // plus what is wound on the base circles is constant:
 //   phi = s (L − ρ acos(ρ/D)) + ρ_1 (α − θ_1) − ρ_2 (α − θ_2) + offset,
 // α the direction of the line of centres, θ_i the gears' rotations, s the sign of (line of action)·(line of centres).
-void rows(const JointConstants& c, const RelativeMotion& m, const double* winding, Jet* out) {
+template <class T>
+void rows(const JointConstants& c, const BasicRelativeMotion<T>& m, const T* winding, BasicJet<T>* out) {
   if (c.mesh_holds_as_drawn_only) {
-    out[0] = along_first(m, m.R_F * c.line_of_action_F);
+    out[0] = along_first(m, m.R_F * c.line_of_action_F.template cast<T>());
     return;
   }
-  Jet direction[2];
+  using std::acos, std::sqrt;
+  BasicJet<T> direction[2];
   angles(c, m, direction);
-  const Jet distance = sqrt(square(along_first(m, m.R_F.col(0))) + square(along_first(m, m.R_F.col(1))));
+  const BasicJet<T> distance = sqrt(square(along_first(m, m.R_F.col(0))) + square(along_first(m, m.R_F.col(1))));
   const double rho = c.base_radius_1_m - c.base_radius_2_m;
-  const double D = distance.value;
-  const double L = std::sqrt(D * D - rho * rho);
-  const Jet tangent = chain(distance, L - rho * std::acos(rho / D), L / D, rho * rho / (D * D * L));
+  const T D = distance.value;
+  const T L = sqrt(D * D - rho * rho);
+  const BasicJet<T> tangent = chain(distance, L - rho * acos(rho / D), L / D, rho * rho / (D * D * L));
   out[0] = c.mesh_side * tangent + c.base_radius_1_m * continued(direction[0], winding[0]) -
            c.base_radius_2_m * continued(direction[1], winding[1]) + c.mesh_offset_m;
 }
@@ -40,7 +43,7 @@ const JointTypeInfo kGearMeshJoint = {.type = JointType::kGearMesh,
                                       .placement = PlacementRule::kMesh,
                                       .row_components = kRows,
                                       .winding_count = 2,
-                                      .rows = rows,
+                                      .rows = {rows<double>, rows<Traced>},
                                       .angles = angles};
 
 }  // namespace ferrers

@@ -28,14 +28,6 @@ std::string coordinate_label(const Joint& joint, std::string_view coordinate) {
   return joint_type_info(joint.type).carries_body ? joint.name + "." + std::string(coordinate) : joint.name;
 }
 
-Jet moment_x_row(const RelativeMotion& m) { return -dot(m, m.R_F.col(1), m.R_M.col(2)); }
-Jet moment_y_row(const RelativeMotion& m) { return dot(m, m.R_F.col(0), m.R_M.col(2)); }
-Jet moment_z_row(const RelativeMotion& m) { return dot(m, m.R_F.col(1), m.R_M.col(0)); }
-
-Jet angle_about_z(const RelativeMotion& m) {
-  return atan2(dot(m, m.R_F.col(1), m.R_M.col(0)), dot(m, m.R_F.col(0), m.R_M.col(0)));
-}
-
 bool is_flipped(const JointTypeInfo& type, const RelativeMotion& m) {
   int moments = 0;
   for (const int component : type.row_components) moments += component >= 3 ? 1 : 0;

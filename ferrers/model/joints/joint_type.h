@@ -4,7 +4,9 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
 
+#include "ferrers/math/traced.h"
 #include "ferrers/model/joints/relative_motion.h"
 #include "ferrers/model/model.h"
 
@@ -32,12 +34,27 @@ struct CoordinateInfo {
   bool is_angular() const { return kind == CoordinateKind::kAngle || kind == CoordinateKind::kRotationRate; }
 };
 
+/// One function for numbers and for traced ones (math/traced.h), of which evaluations are compiled.
+template <template <class> class Signature>
+struct JointFunction {
+  Signature<double> numbers = nullptr;
+  Signature<Traced> traced = nullptr;
+  // Called like a function, with either.
+  operator Signature<double>() const { return numbers; }  // NOLINT(google-explicit-constructor)
+  operator Signature<Traced>() const { return traced; }   // NOLINT(google-explicit-constructor)
+};
+
 /// Pose of M in F, in F axes.
-using MotionFunction = void (*)(const JointConstants&, const double* q, Pose& X_FM);
+template <class T>
+using MotionSignature = void (*)(const JointConstants&, const T* q, BasicPose<T>& X_FM);
 /// Columns of S in F axes at p_M (angular, linear), and Ṡ v.
-using SubspaceFunction = void (*)(const JointConstants&, const double* q, const double* v, Twist* S, Twist& S_dot_v);
+template <class T>
+using SubspaceSignature = void (*)(const JointConstants&, const T* q, const T* v, Eigen::Matrix<T, 6, 1>* S,
+                                   Eigen::Matrix<T, 6, 1>& S_dot_v);
 /// The 6 − f rows, which vanish where the joint is closed. `winding`: one reference per angle (see `angles`).
-using RowsFunction = void (*)(const JointConstants&, const RelativeMotion&, const double* winding, Jet* rows);
+template <class T>
+using RowsSignature = void (*)(const JointConstants&, const BasicRelativeMotion<T>&, const T* winding,
+                               BasicJet<T>* rows);
 /// The joint's scalar coordinates as functions of the relative pose; angles as principal values.
 using CoordinatesFunction = void (*)(const JointConstants&, const RelativeMotion&, Jet* coordinates);
 /// Angles whose turns must be followed (see `State::winding`), as principal values.
@@ -59,10 +76,10 @@ struct JointTypeInfo {
   bool carries_body = true;  ///< False: a generalized coordinate, between ground and nothing.
   int quaternion_at = -1;    ///< Index in q of a unit quaternion (w, x, y, z), or −1.
   int winding_count = 0;     ///< Number of `angles`.
-  MotionFunction motion = nullptr;
-  SubspaceFunction subspace = nullptr;
+  JointFunction<MotionSignature> motion = {};
+  JointFunction<SubspaceSignature> subspace = {};
   bool constant_subspace = true;  ///< Ṡ = 0 in F axes.
-  RowsFunction rows = nullptr;
+  JointFunction<RowsSignature> rows = {};
   CoordinatesFunction coordinate_jets = nullptr;  ///< Null where coordinates are not scalars of the pose.
   AnglesFunction angles = nullptr;
 
@@ -83,11 +100,23 @@ extern const JointTypeInfo kWeldJoint, kRevoluteJoint, kPrismaticJoint, kScrewJo
     kAngleCoordinate, kLengthCoordinate, kOtherCoordinate;
 
 /// Row of the moment that keeps the two z axes parallel, along x or y of F, and the rows shared by several types.
-Jet moment_x_row(const RelativeMotion& m);
-Jet moment_y_row(const RelativeMotion& m);
-Jet moment_z_row(const RelativeMotion& m);
+template <class T>
+BasicJet<T> moment_x_row(const BasicRelativeMotion<T>& m) {
+  return -dot(m, m.R_F.col(1), m.R_M.col(2));
+}
+template <class T>
+BasicJet<T> moment_y_row(const BasicRelativeMotion<T>& m) {
+  return dot(m, m.R_F.col(0), m.R_M.col(2));
+}
+template <class T>
+BasicJet<T> moment_z_row(const BasicRelativeMotion<T>& m) {
+  return dot(m, m.R_F.col(1), m.R_M.col(0));
+}
 /// Rotation of M about z of F, principal value.
-Jet angle_about_z(const RelativeMotion& m);
+template <class T>
+BasicJet<T> angle_about_z(const BasicRelativeMotion<T>& m) {
+  return atan2(dot(m, m.R_F.col(1), m.R_M.col(0)), dot(m, m.R_F.col(0), m.R_M.col(0)));
+}
 
 /// True when the rows vanish but the axes point the wrong way round (dot products cannot tell).
 bool is_flipped(const JointTypeInfo& type, const RelativeMotion& m);

@@ -208,8 +208,8 @@ TEST_P(JointTypesTest, TheTableIsConsistent) {
   if (type_.can_be_tree) {
     EXPECT_EQ(type_.nv, type_.freedoms());
     EXPECT_EQ(type_.nq, type_.nv + (type_.quaternion_at >= 0 ? 1 : 0));
-    EXPECT_NE(type_.motion, nullptr);
-    EXPECT_NE(type_.subspace, nullptr);
+    EXPECT_NE(type_.motion.numbers, nullptr);
+    EXPECT_NE(type_.subspace.numbers, nullptr);
   }
 }
 

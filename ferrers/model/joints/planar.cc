@@ -9,20 +9,24 @@ constexpr std::array<CoordinateInfo, 3> kCoordinates = {{{"displacement_1", Coor
 constexpr std::array<std::string_view, 3> kPositions = {"displacement_1", "displacement_2", "angle"};
 constexpr std::array<int, 3> kRows = {2, 3, 4};
 
-void motion(const JointConstants&, const double* q, Pose& X_FM) {
-  const double c = std::cos(q[2]), s = std::sin(q[2]);
+template <class T>
+void motion(const JointConstants&, const T* q, BasicPose<T>& X_FM) {
+  using std::cos, std::sin;
+  const T c = cos(q[2]), s = sin(q[2]);
   X_FM.R << c, -s, 0, s, c, 0, 0, 0, 1;
-  X_FM.p = Eigen::Vector3d(q[0], q[1], 0);
+  X_FM.p = Eigen::Matrix<T, 3, 1>(q[0], q[1], 0);
 }
 
-void subspace(const JointConstants&, const double*, const double*, Twist* S, Twist& S_dot_v) {
+template <class T>
+void subspace(const JointConstants&, const T*, const T*, Eigen::Matrix<T, 6, 1>* S, Eigen::Matrix<T, 6, 1>& S_dot_v) {
   S[0] << 0, 0, 0, 1, 0, 0;
   S[1] << 0, 0, 0, 0, 1, 0;
   S[2] << 0, 0, 1, 0, 0, 0;
   S_dot_v.setZero();
 }
 
-void rows(const JointConstants&, const RelativeMotion& m, const double*, Jet* out) {
+template <class T>
+void rows(const JointConstants&, const BasicRelativeMotion<T>& m, const T*, BasicJet<T>* out) {
   out[0] = along_first(m, m.R_F.col(2));
   out[1] = moment_x_row(m);
   out[2] = moment_y_row(m);
@@ -50,9 +54,9 @@ const JointTypeInfo kPlanarJoint = {.type = JointType::kPlanar,
                                     .row_components = kRows,
                                     .can_be_tree = true,
                                     .winding_count = 1,
-                                    .motion = motion,
-                                    .subspace = subspace,
-                                    .rows = rows,
+                                    .motion = {motion<double>, motion<Traced>},
+                                    .subspace = {subspace<double>, subspace<Traced>},
+                                    .rows = {rows<double>, rows<Traced>},
                                     .coordinate_jets = coordinates,
                                     .angles = angles};
 

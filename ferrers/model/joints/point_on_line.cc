@@ -5,7 +5,8 @@ namespace {
 
 constexpr std::array<int, 2> kRows = {0, 1};
 
-void rows(const JointConstants&, const RelativeMotion& m, const double*, Jet* out) {
+template <class T>
+void rows(const JointConstants&, const BasicRelativeMotion<T>& m, const T*, BasicJet<T>* out) {
   out[0] = along_first(m, m.R_F.col(0));
   out[1] = along_first(m, m.R_F.col(1));
 }
@@ -17,6 +18,6 @@ const JointTypeInfo kPointOnLineJoint = {.type = JointType::kPointOnLine,
                                          .name = "point_on_line",
                                          .placement = PlacementRule::kPointAxis,
                                          .row_components = kRows,
-                                         .rows = rows};
+                                         .rows = {rows<double>, rows<Traced>}};
 
 }  // namespace ferrers

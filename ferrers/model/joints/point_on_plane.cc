@@ -5,7 +5,8 @@ namespace {
 
 constexpr std::array<int, 1> kRows = {2};
 
-void rows(const JointConstants&, const RelativeMotion& m, const double*, Jet* out) {
+template <class T>
+void rows(const JointConstants&, const BasicRelativeMotion<T>& m, const T*, BasicJet<T>* out) {
   out[0] = along_first(m, m.R_F.col(2));
 }
 
@@ -16,6 +17,6 @@ const JointTypeInfo kPointOnPlaneJoint = {.type = JointType::kPointOnPlane,
                                           .name = "point_on_plane",
                                           .placement = PlacementRule::kPointNormal,
                                           .row_components = kRows,
-                                          .rows = rows};
+                                          .rows = {rows<double>, rows<Traced>}};
 
 }  // namespace ferrers

@@ -7,17 +7,20 @@ constexpr std::array<CoordinateInfo, 1> kCoordinates = {{{"displacement", Coordi
 constexpr std::array<std::string_view, 1> kPositions = {"displacement"};
 constexpr std::array<int, 5> kRows = {0, 1, 3, 4, 5};
 
-void motion(const JointConstants&, const double* q, Pose& X_FM) {
+template <class T>
+void motion(const JointConstants&, const T* q, BasicPose<T>& X_FM) {
   X_FM.R.setIdentity();
-  X_FM.p = Eigen::Vector3d(0, 0, q[0]);
+  X_FM.p = Eigen::Matrix<T, 3, 1>(0, 0, q[0]);
 }
 
-void subspace(const JointConstants&, const double*, const double*, Twist* S, Twist& S_dot_v) {
+template <class T>
+void subspace(const JointConstants&, const T*, const T*, Eigen::Matrix<T, 6, 1>* S, Eigen::Matrix<T, 6, 1>& S_dot_v) {
   S[0] << 0, 0, 0, 0, 0, 1;
   S_dot_v.setZero();
 }
 
-void rows(const JointConstants&, const RelativeMotion& m, const double*, Jet* out) {
+template <class T>
+void rows(const JointConstants&, const BasicRelativeMotion<T>& m, const T*, BasicJet<T>* out) {
   out[0] = along_first(m, m.R_F.col(0));
   out[1] = along_first(m, m.R_F.col(1));
   out[2] = moment_x_row(m);
@@ -39,9 +42,9 @@ const JointTypeInfo kPrismaticJoint = {.type = JointType::kPrismatic,
                                        .position_names = kPositions,
                                        .row_components = kRows,
                                        .can_be_tree = true,
-                                       .motion = motion,
-                                       .subspace = subspace,
-                                       .rows = rows,
+                                       .motion = {motion<double>, motion<Traced>},
+                                       .subspace = {subspace<double>, subspace<Traced>},
+                                       .rows = {rows<double>, rows<Traced>},
                                        .coordinate_jets = coordinates};
 
 }  // namespace ferrers

@@ -7,18 +7,22 @@ constexpr std::array<CoordinateInfo, 1> kCoordinates = {{{"angle", CoordinateKin
 constexpr std::array<std::string_view, 1> kPositions = {"angle"};
 constexpr std::array<int, 5> kRows = {0, 1, 2, 3, 4};
 
-void motion(const JointConstants&, const double* q, Pose& X_FM) {
-  const double c = std::cos(q[0]), s = std::sin(q[0]);
+template <class T>
+void motion(const JointConstants&, const T* q, BasicPose<T>& X_FM) {
+  using std::cos, std::sin;
+  const T c = cos(q[0]), s = sin(q[0]);
   X_FM.R << c, -s, 0, s, c, 0, 0, 0, 1;
   X_FM.p.setZero();
 }
 
-void subspace(const JointConstants&, const double*, const double*, Twist* S, Twist& S_dot_v) {
+template <class T>
+void subspace(const JointConstants&, const T*, const T*, Eigen::Matrix<T, 6, 1>* S, Eigen::Matrix<T, 6, 1>& S_dot_v) {
   S[0] << 0, 0, 1, 0, 0, 0;
   S_dot_v.setZero();
 }
 
-void rows(const JointConstants&, const RelativeMotion& m, const double*, Jet* out) {
+template <class T>
+void rows(const JointConstants&, const BasicRelativeMotion<T>& m, const T*, BasicJet<T>* out) {
   for (int i = 0; i < 3; ++i) out[i] = along_first(m, m.R_F.col(i));
   out[3] = moment_x_row(m);
   out[4] = moment_y_row(m);
@@ -39,9 +43,9 @@ const JointTypeInfo kRevoluteJoint = {.type = JointType::kRevolute,
                                       .row_components = kRows,
                                       .can_be_tree = true,
                                       .winding_count = 1,
-                                      .motion = motion,
-                                      .subspace = subspace,
-                                      .rows = rows,
+                                      .motion = {motion<double>, motion<Traced>},
+                                      .subspace = {subspace<double>, subspace<Traced>},
+                                      .rows = {rows<double>, rows<Traced>},
                                       .coordinate_jets = coordinates,
                                       .angles = coordinates};
 

@@ -11,19 +11,24 @@ constexpr std::array<int, 5> kRows = {0, 1, 2, 3, 4};
 
 double pitch(const JointConstants& c) { return c.lead_m / (2 * std::numbers::pi); }  // m per rad
 
-void motion(const JointConstants& constants, const double* q, Pose& X_FM) {
-  const double c = std::cos(q[0]), s = std::sin(q[0]);
+template <class T>
+void motion(const JointConstants& constants, const T* q, BasicPose<T>& X_FM) {
+  using std::cos, std::sin;
+  const T c = cos(q[0]), s = sin(q[0]);
   X_FM.R << c, -s, 0, s, c, 0, 0, 0, 1;
-  X_FM.p = Eigen::Vector3d(0, 0, pitch(constants) * q[0]);
+  X_FM.p = Eigen::Matrix<T, 3, 1>(0, 0, pitch(constants) * q[0]);
 }
 
-void subspace(const JointConstants& constants, const double*, const double*, Twist* S, Twist& S_dot_v) {
+template <class T>
+void subspace(const JointConstants& constants, const T*, const T*, Eigen::Matrix<T, 6, 1>* S,
+              Eigen::Matrix<T, 6, 1>& S_dot_v) {
   S[0] << 0, 0, 1, 0, 0, pitch(constants);
   S_dot_v.setZero();
 }
 
-void rows(const JointConstants& constants, const RelativeMotion& m, const double* winding, Jet* out) {
-  const Jet angle = continued(angle_about_z(m), winding[0]);
+template <class T>
+void rows(const JointConstants& constants, const BasicRelativeMotion<T>& m, const T* winding, BasicJet<T>* out) {
+  const BasicJet<T> angle = continued(angle_about_z(m), winding[0]);
   out[0] = along_first(m, m.R_F.col(0));
   out[1] = along_first(m, m.R_F.col(1));
   out[2] = along_first(m, m.R_F.col(2)) - pitch(constants) * angle;
@@ -46,9 +51,9 @@ const JointTypeInfo kScrewJoint = {.type = JointType::kScrew,
                                    .row_components = kRows,
                                    .can_be_tree = true,
                                    .winding_count = 1,
-                                   .motion = motion,
-                                   .subspace = subspace,
-                                   .rows = rows,
+                                   .motion = {motion<double>, motion<Traced>},
+                                   .subspace = {subspace<double>, subspace<Traced>},
+                                   .rows = {rows<double>, rows<Traced>},
                                    .coordinate_jets = coordinates,
                                    .angles = coordinates};
 

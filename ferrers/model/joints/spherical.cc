@@ -9,17 +9,20 @@ constexpr std::array<CoordinateInfo, 3> kCoordinates = {{{"omega_x", CoordinateK
 constexpr std::array<std::string_view, 4> kPositions = {"qw", "qx", "qy", "qz"};
 constexpr std::array<int, 3> kRows = {0, 1, 2};
 
-void motion(const JointConstants&, const double* q, Pose& X_FM) {
+template <class T>
+void motion(const JointConstants&, const T* q, BasicPose<T>& X_FM) {
   X_FM.R = quaternion_matrix(q);
   X_FM.p.setZero();
 }
 
-void subspace(const JointConstants&, const double*, const double*, Twist* S, Twist& S_dot_v) {
-  for (int i = 0; i < 3; ++i) S[i] = Twist::Unit(i);
+template <class T>
+void subspace(const JointConstants&, const T*, const T*, Eigen::Matrix<T, 6, 1>* S, Eigen::Matrix<T, 6, 1>& S_dot_v) {
+  for (int i = 0; i < 3; ++i) S[i] = Eigen::Matrix<T, 6, 1>::Unit(i);
   S_dot_v.setZero();
 }
 
-void rows(const JointConstants&, const RelativeMotion& m, const double*, Jet* out) {
+template <class T>
+void rows(const JointConstants&, const BasicRelativeMotion<T>& m, const T*, BasicJet<T>* out) {
   for (int i = 0; i < 3; ++i) out[i] = along_first(m, m.R_F.col(i));
 }
 
@@ -36,8 +39,8 @@ const JointTypeInfo kSphericalJoint = {.type = JointType::kSpherical,
                                        .row_components = kRows,
                                        .can_be_tree = true,
                                        .quaternion_at = 0,
-                                       .motion = motion,
-                                       .subspace = subspace,
-                                       .rows = rows};
+                                       .motion = {motion<double>, motion<Traced>},
+                                       .subspace = {subspace<double>, subspace<Traced>},
+                                       .rows = {rows<double>, rows<Traced>}};
 
 }  // namespace ferrers

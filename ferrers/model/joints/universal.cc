@@ -9,20 +9,26 @@ constexpr std::array<std::string_view, 2> kPositions = {"angle_1", "angle_2"};
 constexpr std::array<int, 4> kRows = {0, 1, 2, 4};
 
 // R_FM = Rz(angle_1) Rx(angle_2): z of F is the first axis, x of M the second.
-void motion(const JointConstants&, const double* q, Pose& X_FM) {
-  const double c1 = std::cos(q[0]), s1 = std::sin(q[0]), c2 = std::cos(q[1]), s2 = std::sin(q[1]);
+template <class T>
+void motion(const JointConstants&, const T* q, BasicPose<T>& X_FM) {
+  using std::cos, std::sin;
+  const T c1 = cos(q[0]), s1 = sin(q[0]), c2 = cos(q[1]), s2 = sin(q[1]);
   X_FM.R << c1, -s1 * c2, s1 * s2, s1, c1 * c2, -c1 * s2, 0, s2, c2;
   X_FM.p.setZero();
 }
 
-void subspace(const JointConstants&, const double* q, const double* v, Twist* S, Twist& S_dot_v) {
-  const double c1 = std::cos(q[0]), s1 = std::sin(q[0]);
+template <class T>
+void subspace(const JointConstants&, const T* q, const T* v, Eigen::Matrix<T, 6, 1>* S,
+              Eigen::Matrix<T, 6, 1>& S_dot_v) {
+  using std::cos, std::sin;
+  const T c1 = cos(q[0]), s1 = sin(q[0]);
   S[0] << 0, 0, 1, 0, 0, 0;
   S[1] << c1, s1, 0, 0, 0, 0;
   S_dot_v << -s1 * v[0] * v[1], c1 * v[0] * v[1], 0, 0, 0, 0;
 }
 
-void rows(const JointConstants&, const RelativeMotion& m, const double*, Jet* out) {
+template <class T>
+void rows(const JointConstants&, const BasicRelativeMotion<T>& m, const T*, BasicJet<T>* out) {
   for (int i = 0; i < 3; ++i) out[i] = along_first(m, m.R_F.col(i));
   out[3] = -dot(m, m.R_F.col(2), m.R_M.col(0));
 }
@@ -46,10 +52,10 @@ const JointTypeInfo kUniversalJoint = {.type = JointType::kUniversal,
                                        .row_components = kRows,
                                        .can_be_tree = true,
                                        .winding_count = 2,
-                                       .motion = motion,
-                                       .subspace = subspace,
+                                       .motion = {motion<double>, motion<Traced>},
+                                       .subspace = {subspace<double>, subspace<Traced>},
                                        .constant_subspace = false,
-                                       .rows = rows,
+                                       .rows = {rows<double>, rows<Traced>},
                                        .coordinate_jets = coordinates,
                                        .angles = coordinates};
 
