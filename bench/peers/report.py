@@ -86,6 +86,7 @@ def load_table(results):
         ours = row.get("ferrers", {}).get("any") or {}
         analyzed = results.get("analysis", {}).get(scene, {})
         line += [f"{1e3 * ours['load_s']:.3g}" if ours else "–", f"{1e3 * ours['decide_s']:.3g}" if ours else "–",
+                 f"{1e3 * ours['compile_s']:.3g}" if ours.get("compile_s") else "–",
                  f"{1e3 * analyzed['analyze_s']:.3g}" if "analyze_s" in analyzed else analyzed.get("failed", "–"),
                  f"{ours['rss_kib'] / 1024:.3g}" if ours else "–"]
         for engine in ("mujoco4", "pinocchio4", "simbody"):
@@ -93,7 +94,7 @@ def load_table(results):
             line += [f"{1e3 * other['load_s']:.3g}" if other else "–",
                      f"{other['rss_kib'] / 1024:.3g}" if other and other.get("rss_kib") else "–"]
         rows.append(line)
-    header = ["", "load, ms", "decide, ms", "analyze, ms", "MiB", "MuJoCo load, ms", "MiB", "Pinocchio build, ms", "MiB", "Simbody build, ms", "MiB"]
+    header = ["", "load, ms", "decide, ms", "native code, ms", "analyze, ms", "MiB", "MuJoCo load, ms", "MiB", "Pinocchio build, ms", "MiB", "Simbody build, ms", "MiB"]
     return table(header, rows)
 
 
@@ -215,8 +216,8 @@ def scale(results):
 
 HEAD = """# Speed
 
-Ferrers beside the engines that one would take instead: the same mechanisms, the same states, the same accuracy shown, on
-one machine in one run. This page is written by `./run bench peers`; the programs are in `bench/peers`.
+Ferrers beside the engines that one would take instead: the same mechanisms, the same states, the errors shown, on
+one machine. This page is written by `./run bench peers`; the programs are in `bench/peers`.
 
 - Every mechanism is defined once (`bench/peers/mechanisms.py`) and handed to every engine with all rows as drawn: spatial
   hinges also where a mechanism is planar. Loops are cut at the same joints for all that need it cut.
@@ -231,6 +232,7 @@ one machine in one run. This page is written by `./run bench peers`; the program
 MuJoCo keeps loops softly, by stiff constraint forces: two connected points of the axis for a hinge that closes a loop.
 Pinocchio holds the same two points by proximal iterations, through the factors of the whole system (exact) or by a
 recursion along tree and loops, whose error depends on its damping. Simbody solves five rows a hinge by least squares.
+Ferrers runs native code of the mechanism (`docs/forward-dynamics.md`), made once; the last table tells what that takes.
 Drake has loops only in its discrete solver (no centrifugal terms in its rows, hence its error), called from Python, an
 empty call subtracted. Exudyn's figure is a whole step of its implicit integrator in absolute coordinates.
 """
@@ -242,6 +244,13 @@ def write(results, docs):
     m = results["machine"]
     page = [HEAD, f"Measured {results['date']} on {m['cpu']}, {m['cores']} cores, {m['compiler']}; load average at the start "
             f"{m['load_average'][0]}, at the end {m['load_average_end'][0]} (other work shared the cores where it is above 1).", ""]
+    runs = {}
+    for engine, at in results.get("measured_at", {}).items():
+        runs.setdefault(at, []).append(NAMES[engine])
+    if len(runs) > 1:
+        page += ["Not all in one run: " + "; ".join(f"{', '.join(names)} at {at.replace('T', ' ')}" for at, names in sorted(runs.items()))
+                 + ".", ""]
+    page += [line for remark in results.get("remarks", []) for line in (remark, "")]
     versions = sorted({(NAMES[e], r["version"]) for row in results["forward"].values() for e, entry in row.items()
                        for r in entry["tried"] if r.get("version")})
     page += ["Versions: " + ", ".join(f"{name} = {version}" for name, version in versions) + ".", ""]

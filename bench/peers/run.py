@@ -220,6 +220,7 @@ def main():
     name = pathlib.Path(name)
     name.parent.mkdir(parents=True, exist_ok=True)
 
+    results["measured_at"] = {e: datetime.datetime.now().isoformat(timespec="minutes") for e in engines}
     before = json.loads(name.read_text(encoding="utf-8")) if options.update and name.exists() else {}
     results["titles"] = {**before.get("titles", {}), **results["titles"]}
 

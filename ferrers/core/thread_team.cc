@@ -18,23 +18,34 @@ ThreadTeam::~ThreadTeam() {
 
 void ThreadTeam::serve(int part) {
   constexpr int kPatience = 20000;  // some tens of microseconds: to be woken takes longer
-  for (int seen = 0;; ++seen) {
+  for (unsigned seen = 0;; ++seen) {
     for (int look = 0; look < kPatience && round_ == seen; ++look) {
     }
     round_.wait(seen);
     if (work_ == nullptr) return;
-    (*work_)(part);
+    attempt(part);
     --left_;
+  }
+}
+
+void ThreadTeam::attempt(int part) {
+  try {
+    (*work_)(part);
+  } catch (...) {
+    if (!has_thrown_.test_and_set()) thrown_ = std::current_exception();
   }
 }
 
 void ThreadTeam::run(const std::function<void(int)>& work) {
   work_ = &work;
-  left_ = static_cast<int>(threads_.size());
+  left_ = static_cast<unsigned>(threads_.size());
+  has_thrown_.clear();
+  thrown_ = nullptr;
   ++round_;
   round_.notify_all();
-  work(0);
+  attempt(0);
   while (left_ != 0) std::this_thread::yield();  // the others had as much to do: soon
+  if (thrown_) std::rethrow_exception(thrown_);
 }
 
 }  // namespace ferrers

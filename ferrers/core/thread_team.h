@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <exception>
 #include <functional>
 #include <thread>
 #include <vector>
@@ -18,15 +19,18 @@ class ThreadTeam {
   ThreadTeam& operator=(const ThreadTeam&) = delete;
 
   int count() const { return static_cast<int>(threads_.size()) + 1; }
-  /// Calls `work(part)` for part = 0 … count − 1, each on a thread of its own, and returns when all have returned.
-  /// `work` must not throw. Not to be called from several threads at once.
+  /// Calls `work(part)` for part = 0 … count − 1, each on a thread of its own, and returns when all have returned; what
+  /// one of them threw is thrown then. Not to be called from several threads at once.
   void run(const std::function<void(int part)>& work);
 
  private:
   void serve(int part);
+  void attempt(int part);
 
   const std::function<void(int)>* work_ = nullptr;  ///< Null: go home.
-  std::atomic<int> round_ = 0, left_ = 0;
+  std::atomic<unsigned> round_ = 0, left_ = 0;
+  std::atomic_flag has_thrown_;
+  std::exception_ptr thrown_;  ///< The first.
   std::vector<std::thread> threads_;
 };
 

@@ -29,6 +29,20 @@ TEST(ThreadTeamTest, PartsRunAtTheSameTime) {
   EXPECT_EQ(arrived, 2);
 }
 
+TEST(ThreadTeamTest, WhatAPartThrowsComesBackWhenAllAreDone) {
+  ThreadTeam team(3);
+  for (int thrower = 0; thrower < 3; ++thrower) {
+    std::atomic<int> done = 0;
+    const auto work = [&](int part) {
+      if (part == thrower) throw std::runtime_error("a law without a value");
+      ++done;
+    };
+    EXPECT_THROW(team.run(work), std::runtime_error);
+    EXPECT_EQ(done, 2);
+  }
+  team.run([](int) {});
+}
+
 TEST(ThreadTeamTest, NobodyIsNoTeam) { EXPECT_THROW(ThreadTeam(0), std::invalid_argument); }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "ferrers/dynamics/forward_batch.h"
 
 #include <algorithm>
+#include <functional>
 #include <utility>
 
 #include "ferrers/core/checks.h"
@@ -10,9 +11,10 @@ namespace ferrers {
 
 ForwardBatch::ForwardBatch(std::shared_ptr<const DynamicsModel> model, const State& state, int threads)
     : model_(std::move(model)), team_(threads) {
-  for (int i = 0; i < threads; ++i) parts_.push_back(std::make_unique<ForwardDynamics>(model_, state));
-  first_pivot_ = parts_.front()->first_pivot();
-  program_ = parts_.front()->of_states(kChunk);
+  parts_.assign(static_cast<std::size_t>(threads), ForwardDynamics(model_, state));
+  first_pivot_ = parts_.front().first_pivot();
+  excluded_ = selection().excluded_rows(model_->system->m);
+  program_ = parts_.front().of_states(kChunk);
   for (int i = 0; i < threads; ++i) {
     Work& work = work_.emplace_back();
     work.state = state;
@@ -29,13 +31,12 @@ void ForwardBatch::evaluate(const States& states, Results& out) {
   const long n = states.q.rows();
   require(states.q.cols() == system.nq && states.v.cols() == system.nv && states.v.rows() == n,
           "ForwardBatch: q is n × nq and v n × nv");
-  if (out.vdot.cols() != system.nv || out.vdot.rows() != n || out.lambda.cols() != system.m) {
-    out.vdot.resize(n, system.nv);
-    out.lambda.setZero(n, system.m);
-    out.pivot_ratio.resize(n);
-    out.status.resize(static_cast<std::size_t>(n));
-  }
-  team_.run([&](int part) {
+  out.vdot.resize(n, system.nv);
+  out.lambda.resize(n, system.m);
+  out.pivot_ratio.resize(n);
+  out.status.resize(static_cast<std::size_t>(n));
+  for (const int row : excluded_) out.lambda.col(row).setZero();
+  const auto share = [&](int part) {
     const long chunks = (n + kChunk - 1) / kChunk;
     const auto first = [&](int i) { return std::min(n, chunks * i / team_.count() * kChunk); };
     for (long at = first(part), end = first(part + 1); at < end; at += kChunk) {
@@ -46,11 +47,12 @@ void ForwardBatch::evaluate(const States& states, Results& out) {
         for (long i = at; i < at + count; ++i) evaluate_one(states, i, part, out);
       }
     }
-  });
+  };
+  team_.run(std::ref(share));  // a reference needs no memory
 }
 
 void ForwardBatch::evaluate_one(const States& states, long i, int part, Results& out) {
-  ForwardDynamics& one = *parts_[static_cast<std::size_t>(part)];
+  ForwardDynamics& one = parts_[static_cast<std::size_t>(part)];
   State& state = work_[static_cast<std::size_t>(part)].state;
   state.t = states.t;
   state.q = states.q.row(i);
@@ -93,7 +95,9 @@ void ForwardBatch::evaluate_chunk(const States& states, long begin, long count, 
     wrong += vdot - vdot;  // 0, or no number
   }
   for (std::size_t k = 0; k < layout.lambda.size(); ++k) {
-    out.lambda.col(layout.rows[k]).segment(begin, count) = row(layout.lambda[k]);
+    const auto lambda = row(layout.lambda[k]);
+    out.lambda.col(layout.rows[k]).segment(begin, count) = lambda;
+    wrong += lambda - lambda;
   }
   if (first_pivot_ > 0) pivot /= first_pivot_;
   for (long i = 0; i < count; ++i) {

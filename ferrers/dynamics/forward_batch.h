@@ -28,12 +28,12 @@ class ForwardBatch {
     VectorXd pivot_ratio;   ///< n: as of `ForwardDynamics`.
     std::vector<ForwardStatus> status;
   };
-  /// `out` is made as large as needed; allocates nothing where it is. Throws std::invalid_argument for matrices of
-  /// other sizes.
+  /// `out` is made as large as needed; allocates nothing where it is, but as `ForwardDynamics` does. Throws
+  /// std::invalid_argument for matrices of other sizes, and what effort laws throw.
   void evaluate(const States& states, Results& out);
 
   bool is_in_lanes() const { return program_ != nullptr; }
-  const Selection& selection() const { return parts_.front()->selection(); }
+  const Selection& selection() const { return parts_.front().selection(); }
 
  private:
   static constexpr long kChunk = 64;  ///< States at once: they stay in the nearest cache.
@@ -49,9 +49,10 @@ class ForwardBatch {
   void evaluate_one(const States& states, long i, int part, Results& out);
 
   std::shared_ptr<const DynamicsModel> model_;
-  std::vector<std::unique_ptr<ForwardDynamics>> parts_;  ///< Per thread.
+  std::vector<ForwardDynamics> parts_;  ///< Per thread.
   std::vector<Work> work_;
   std::shared_ptr<const ForwardProgram> program_;  ///< Null: one at a time.
+  std::vector<int> excluded_;                      ///< Rows left out.
   double first_pivot_ = 1;
   ThreadTeam team_;
 };

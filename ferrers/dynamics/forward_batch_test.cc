@@ -42,6 +42,7 @@ TEST(ForwardDynamicsTest, IsTheSolutionOfTheParts) {
     Sampled sampled(spec, 6);
     EngineProbe& engine = sampled.engine;
     ForwardDynamics dynamics(engine.dynamics, sampled.states.front());
+    EXPECT_EQ(dynamics.is_native(), has_machine_code()) << name;
     for (const State& state : sampled.states) {
       ASSERT_EQ(dynamics.evaluate(state), ForwardStatus::kSolved) << name;
       compute_equations(*engine.dynamics, state, engine.eq);
@@ -83,7 +84,9 @@ TEST(ForwardBatchTest, GivesWhatOneAfterAnotherGives) {
       ForwardDynamics one(sampled.engine.dynamics, sampled.states.front());
       for (const int threads : {1, 3}) {
         ForwardBatch batch(sampled.engine.dynamics, sampled.states.front(), threads);
-        ForwardBatch::Results results;
+        EXPECT_EQ(batch.is_in_lanes(), has_machine_code()) << name;
+        ForwardBatch::Results results;  // what is there before does not matter
+        results.lambda.setConstant(count, sampled.engine.system->m, 7);
         for (int pass = 0; pass < 2; ++pass) batch.evaluate(sampled.columns, results);
         for (int i = 0; i < count; ++i) {
           const std::string what = name + ", state " + std::to_string(i);
@@ -95,6 +98,9 @@ TEST(ForwardBatchTest, GivesWhatOneAfterAnotherGives) {
                     1e-9 * (1 + one.result().lambda.norm()))
               << what;
           EXPECT_NEAR(results.pivot_ratio[i], one.pivot_ratio(), 1e-9) << what;
+          for (const int row : batch.selection().excluded_rows(sampled.engine.system->m)) {
+            EXPECT_EQ(results.lambda(i, row), 0) << what;
+          }
         }
       }
     }
@@ -109,6 +115,35 @@ TEST(ForwardBatchTest, AFarStateAmongOthersIsExactToo) {
   sampled.columns.q(2, 0) += 2e6 * 2 * M_PI;
   batch.evaluate(sampled.columns, far);
   EXPECT_LE((near.vdot - far.vdot).norm(), 1e-6 * (1 + near.vdot.norm()));
+}
+
+// A spring whose ends lie on each other has no direction: it pulls nowhere, and native code, which would divide by its
+// length, leaves such states to the parts.
+TEST(ForwardBatchTest, ASpringWithoutLengthPullsNowhere) {
+  ModelSpec spec = make_four_bar(FourBarJoints::kRevolute);
+  const ForwardResult without = [&] {
+    Sampled sampled(spec, 1);
+    ForwardDynamics dynamics(sampled.engine.dynamics, sampled.states.front());
+    dynamics.evaluate(sampled.states.front());
+    return dynamics.result();
+  }();
+  SpringSpec spring;
+  spring.bodies = {NameRef("ground"), NameRef(spec.bodies[0].name)};  // both points at the pivot, the origin
+  spring.stiffness = 100;
+  ForceSpec force;
+  force.name = "without_length";
+  force.element = spring;
+  spec.forces.push_back(force);
+  Sampled sampled(spec, 5);
+  ForwardDynamics dynamics(sampled.engine.dynamics, sampled.states.front());
+  ASSERT_EQ(dynamics.evaluate(sampled.states.front()), ForwardStatus::kSolved);
+  EXPECT_LE((dynamics.result().vdot - without.vdot).norm(), 1e-10 * without.vdot.norm());
+  EXPECT_LE((dynamics.result().lambda - without.lambda).norm(), 1e-10 * without.lambda.norm());
+  ForwardBatch batch(sampled.engine.dynamics, sampled.states.front());
+  ForwardBatch::Results results;
+  batch.evaluate(sampled.columns, results);
+  EXPECT_LE((results.vdot.row(0).transpose() - without.vdot).norm(), 1e-10 * without.vdot.norm());
+  EXPECT_LE((results.lambda.row(0).transpose() - without.lambda).norm(), 1e-10 * without.lambda.norm());
 }
 
 TEST(ForwardBatchTest, RefusesMatricesOfOtherSizes) {

@@ -14,17 +14,15 @@ ForwardDynamics::ForwardDynamics(std::shared_ptr<const DynamicsModel> model, con
   const ConstraintBlocks blocks = compute_constraint_blocks(system, state);
   selection_ = select_rows_and_coordinates(system, decide_clusters(system, make_scaling(system), blocks));
   applied_ = VectorXd::Zero(system.nv);
-  if (ForwardProgram::knows(*model_)) find_program(blocks);
+  KktStructure structure = make_kkt_structure(system, selection_.rows);
+  take_values(selection_.rows, blocks, structure);
+  order_ = SparseKkt(structure, selection_.rows, make_scaling(system).columns);
+  if (order_.is_complete() && ForwardProgram::knows(*model_)) find_program();
   evaluate(state);
   first_pivot_ = pivot_;
 }
 
-void ForwardDynamics::find_program(const ConstraintBlocks& blocks) {
-  const System& system = *model_->system;
-  KktStructure structure = make_kkt_structure(system, selection_.rows);
-  take_values(selection_.rows, blocks, structure);
-  order_ = SparseKkt(structure, selection_.rows, make_scaling(system).columns);
-  if (!order_.is_complete()) return;
+void ForwardDynamics::find_program() {
   const auto program = (*model_->programs).find_or_make(*model_, order_, ForwardProgram::Extent::kAccelerations);
   if (!program->is_native()) return;
   board_ = program->make_board();
@@ -56,10 +54,12 @@ ForwardStatus ForwardDynamics::evaluate(const State& state) {
 
 ForwardStatus ForwardDynamics::evaluate_parts(const State& state) {
   Equations& eq = equations();
-  if (solver_ == nullptr) solver_ = make_forward_solver(Formulation::kSparse, *model_->system, selection_);
   compute_equations(*model_, state, eq);
-  solver_->solve(eq, result_);
-  pivot_ = solver_->smallest_pivot();
+  result_.status = order_.factor(eq.M, eq.constraints.G);
+  if (result_.status != ForwardStatus::kSolved) return result_.status;
+  order_.solve(eq.force, eq.constraints.gamma, result_.vdot, result_.lambda);
+  pivot_ = order_.smallest_pivot();
+  if (!result_.vdot.allFinite()) result_.status = ForwardStatus::kWornSelection;
   return result_.status;
 }
 

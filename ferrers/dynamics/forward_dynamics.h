@@ -36,7 +36,7 @@ class ForwardDynamics {
   std::shared_ptr<const ForwardProgram> of_states(int states) const;
 
  private:
-  void find_program(const ConstraintBlocks& blocks);
+  void find_program();
   Equations& equations();
   ForwardStatus evaluate_parts(const State& state);
 
@@ -44,7 +44,6 @@ class ForwardDynamics {
   Selection selection_;
   SparseKkt order_;              ///< For native code.
   std::optional<Equations> eq_;  ///< Where parts are evaluated: matrices are large.
-  std::unique_ptr<ForwardSolver> solver_;
   ForwardResult result_;
   std::shared_ptr<const ForwardProgram> program_;  ///< Null: evaluated part by part.
   Kernel::Board board_;

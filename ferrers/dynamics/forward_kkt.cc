@@ -1,7 +1,9 @@
 #include "ferrers/dynamics/forward_kkt.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 
 #include "ferrers/math/rank_pivot.h"
 
@@ -152,6 +154,11 @@ std::vector<int> SparseKkt::signature() const {
   std::vector<int> out = pair_rows();
   out.push_back(-1);
   out.insert(out.end(), order_.begin(), order_.end());
+  for (const Pair& pair : pairs_) {
+    const auto bits = std::bit_cast<std::uint64_t>(pair.weight);
+    out.push_back(static_cast<int>(bits >> 32));
+    out.push_back(static_cast<int>(bits & 0xFFFFFFFF));
+  }
   return out;
 }
 

@@ -72,7 +72,7 @@ class SparseKkt {
   TracedSolution trace(const TracedFactors& factors, const std::vector<Traced>& force,
                        const std::vector<Traced>& gamma) const;
   std::vector<int> pair_rows() const;  ///< Per pair, its row of G.
-  /// Equal for those that eliminate the same rows and coordinates in the same order.
+  /// Equal for those that eliminate the same rows and coordinates in the same order, and weigh their pivots alike.
   std::vector<int> signature() const;
   bool is_complete() const { return complete_; }
 

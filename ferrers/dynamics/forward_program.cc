@@ -5,7 +5,6 @@
 #include <unordered_map>
 #include <utility>
 
-#include "ferrers/core/checks.h"
 #include "ferrers/math/rank_pivot.h"
 
 namespace ferrers {
@@ -169,7 +168,8 @@ ForwardStatus ForwardProgram::evaluate(const State& state, const VectorXd& appli
       return out.status = ForwardStatus::kSingularMass;
     }
   }
-  return out.status = out.vdot.allFinite() ? ForwardStatus::kSolved : ForwardStatus::kWornSelection;
+  const bool finite = out.vdot.allFinite() && out.lambda.allFinite() && std::isfinite(watched.power);
+  return out.status = finite ? ForwardStatus::kSolved : ForwardStatus::kWornSelection;
 }
 
 void compute_untraced_forces(const DynamicsModel& model, const State& state, Equations& eq, VectorXd& applied) {

@@ -87,7 +87,7 @@ TEST(ForwardProgramTest, OfRandomMechanismsToo) {
   EXPECT_GT(checked, 60);
 }
 
-TEST(ForwardProgramTest, WhatIsPlanarCostsAsMuchAsInThePlane) {
+TEST(ForwardProgramTest, AFourBarInThePlaneIsLittleCode) {
   NEEDS_MACHINE_CODE();
   // Nothing of a four-bar in the plane z = 0 reaches the rows across it: they are constants, and so no code.
   EngineProbe engine(make_four_bar(FourBarJoints::kRevolute));
@@ -97,7 +97,7 @@ TEST(ForwardProgramTest, WhatIsPlanarCostsAsMuchAsInThePlane) {
   EXPECT_LT(program.code_bytes(), 4000U);
 }
 
-TEST(ForwardProgramTest, CodeOfAChainDoesNotGrowWithWhatItsLoopsDoAlone) {
+TEST(ForwardProgramTest, MostOfAChainIsDoneFourLoopsAtATime) {
   NEEDS_MACHINE_CODE();
   const auto program = [](int count) {
     EngineProbe engine(make_n_four_bar(count, 0.3));

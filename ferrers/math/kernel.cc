@@ -272,8 +272,17 @@ StraightCode code_in_lanes(const ExpressionGraph& graph, std::span<const int> ou
   const std::vector<GraphValue>& values = graph.values();
   KernelSection section;
   std::vector<int> number(values.size(), -1);
+  std::vector<bool> is_needed(values.size(), false);
+  for (const int output : outputs) is_needed[output] = true;
+  for (std::size_t i = values.size(); i-- > 0;) {
+    if (!is_needed[i] || !values[i].is_operation()) continue;
+    for (const int arg : values[i].args) {
+      if (arg >= 0) is_needed[arg] = true;
+    }
+  }
   int next = 0;
   for (std::size_t i = 0; i < values.size(); ++i) {
+    if (!is_needed[i]) continue;
     if (values[i].is_constant()) {
       number[i] = section.constant(values[i].constant);
     } else if (values[i].op == ExpressionOp::kVariable) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "ferrers/core/checks.h"
+
 namespace ferrers {
 namespace {
 
@@ -81,7 +83,7 @@ void KernelLayout::write_together(const Row& row, const Positions& positions) {
     if (before >= 0) link(before, row[i]);
     before = row[i];
   }
-  rows_.push_back({positions.back() + 1, time});
+  rows_.push_back({row.front(), positions.back() + 1, time});
 }
 
 // Puts a number that is written later into a gap of a row.
@@ -91,7 +93,8 @@ bool KernelLayout::fill_gap(int gap, int number) {
   next_[gap] = previous_[gap] = -1;
   link(before, number);
   link(number, after);
-  numbers_.erase(std::find(numbers_.begin(), numbers_.end(), gap));
+  row_[number] = row_[gap];  // as a member it is, but for being written later
+  place_[gap] = 0;           // it wants none any more
   return true;
 }
 
@@ -139,9 +142,10 @@ void KernelLayout::place() {
     if (previous_[number] < 0) follow(number);
   }
   for (const int number : numbers_) {  // rings; not from within a row that is written together
-    const bool inside = row_[number] >= 0 && row_[previous_[number]] == row_[number];
+    const bool inside = row_[number] >= 0 && rows_[row_[number]].first != number;
     if (place_[number] < 0 && !inside) follow(number);
   }
+  for (const int number : numbers_) require(place_[number] >= 0, "KernelLayout: a number without a place");
 }
 
 bool KernelLayout::is_row(const Row& row, const Positions& positions) const {

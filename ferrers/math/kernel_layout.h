@@ -39,7 +39,7 @@ class KernelLayout {
 
  private:
   struct Written {
-    int length = 0, time = 0;
+    int first = 0, length = 0, time = 0;
   };
 
   int new_gap();

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -27,6 +28,31 @@ double value_of(const ExpressionGraph& graph, int index, const std::vector<doubl
                                                 : apply_expression_op(value.op, arg(0), arg(1), arg(2)));
   }
   return known[index];
+}
+
+// As many evaluations at once, each with inputs of its own.
+void expect_values_in_lanes(const ExpressionGraph& graph, const std::vector<int>& outputs,
+                            const std::vector<double>& inputs, double tolerance, const std::string& what) {
+  constexpr int kCount = 12;
+  const Kernel kernel = Kernel::in_lanes(graph, outputs, kCount);
+  ASSERT_TRUE(kernel.is_native()) << what;
+  Kernel::Board board = kernel.make_board();
+  const auto input_of = [&](std::size_t i, int lane) { return inputs[i] * (1 + 0.03125 * lane); };
+  for (std::size_t i = 0; i < kernel.inputs().size(); ++i) {
+    for (int lane = 0; lane < kCount && kernel.inputs()[i] >= 0; ++lane) {
+      board[static_cast<std::size_t>(kernel.inputs()[i] * kCount + lane)] = input_of(i, lane);
+    }
+  }
+  kernel.run(board);
+  for (int lane = 0; lane < kCount; ++lane) {
+    std::vector<double> own, known;
+    for (std::size_t i = 0; i < inputs.size(); ++i) own.push_back(input_of(i, lane));
+    value_of(graph, static_cast<int>(graph.values().size()) - 1, own, known);
+    for (std::size_t k = 0; k < outputs.size(); ++k) {
+      const double found = board[static_cast<std::size_t>(kernel.outputs()[k] * kCount + lane)];
+      EXPECT_NEAR(found, known[outputs[k]], tolerance * (1 + std::abs(known[outputs[k]]))) << what << ", lane " << lane;
+    }
+  }
 }
 
 void expect_values(const ExpressionGraph& graph, const std::vector<int>& outputs, const KernelTags& tags,
@@ -115,6 +141,71 @@ TEST(KernelTest, ComputesRandomGraphs) {
       outputs.push_back(values[static_cast<std::size_t>(below(static_cast<int>(values.size())))]);
     for (int i = 0; i < 12; ++i) tags.outputs.push_back(i / 3);
     expect_values(graph, outputs, tags, inputs, 1e-10, "seed " + std::to_string(seed));
+    expect_values_in_lanes(graph, outputs, inputs, 1e-10, "seed " + std::to_string(seed));
+  }
+}
+
+// Places that all do the same, with more values than there are registers; each reads another one, in any order: its
+// neighbour, around a ring, or whichever. Some places are odd, some read what all read, some call functions; and
+// something runs along them.
+TEST(KernelTest, DoesEqualPartsAtOnceHoweverTheyReadEachOther) {
+  NEEDS_MACHINE_CODE();
+  for (unsigned seed = 0; seed < 400; ++seed) {
+    std::mt19937 random(seed);
+    const auto below = [&](int bound) { return static_cast<int>(random() % static_cast<unsigned>(bound)); };
+    Trace trace;
+    KernelTags tags;
+    std::vector<double> inputs;
+    const auto input = [&](int tag) {
+      tags.inputs.push_back(tag);
+      inputs.push_back(0.25 + 0.125 * below(12));
+      return trace.input(static_cast<int>(inputs.size()) - 1);
+    };
+    const int count = 3 + below(14), shift = below(3) == 0 ? 0 : 1 + below(2);
+    std::vector<int> other(static_cast<std::size_t>(count));
+    for (int i = 0; i < count; ++i) other[static_cast<std::size_t>(i)] = (i + shift) % count;
+    if (shift == 0) std::shuffle(other.begin(), other.end(), random);
+    const int odd = below(3) == 0 ? below(count) : -1, length = 6 + below(30),
+              calls = below(4) == 0 ? below(length) : -1;
+    const Traced all = input(1000);
+    std::vector<Traced> own, outputs;
+    for (int i = 0; i < count; ++i) {  // first what each place does alone
+      const Traced x = input(i), y = input(i);
+      const Traced size = sqrt(x * x + y * y + 1.0), plain = size * y + 0.5 * x / (size + 1.0) + y * 0.25;
+      own.push_back(i != odd ? plain : seed % 2 == 0 ? plain + x * 0.125 : input(i));
+      outputs.push_back(size);
+      tags.outputs.push_back(i);
+    }
+    Traced along = 0.5;
+    for (int i = 0; i < count; ++i) {  // then what it does with another's
+      const auto from = static_cast<std::size_t>(other[static_cast<std::size_t>(i)]);
+      std::vector<Traced> values = {own[static_cast<std::size_t>(i)], own[from], input(i), 0.5 + 0.25 * (i % 3)};
+      if (seed % 3 == 0) values.push_back(all);
+      std::mt19937 same(seed);  // the same operations at every place
+      const auto pick = [&] { return values[same() % values.size()]; };
+      for (int k = 0; k < length; ++k) {
+        const Traced a = pick(), b = pick();
+        const auto kind = same() % 4;
+        if (k == calls) {
+          values.push_back(atan2(a, b * b + 1.0));
+        } else if (kind == 0) {
+          values.push_back(a * 0.5 - b * 0.25);
+        } else if (kind == 1) {
+          values.push_back(a / (b * b + 1.0));
+        } else {
+          values.push_back(0.25 * a * b / (1.0 + a * a * 0.0625 + b * b * 0.0625) + a * 0.125);
+        }
+      }
+      Traced sum = 0.0;  // of all, the latest first: they must wait
+      for (std::size_t k = values.size(); k-- > 0;) sum = sum * 0.5 + values[k];
+      along = along * 0.5 + sum * 0.125;
+      outputs.push_back(sum);
+      outputs.push_back(along);
+      tags.outputs.insert(tags.outputs.end(), {i, i});
+    }
+    std::vector<int> values;
+    for (const Traced& output : outputs) values.push_back(trace.value_of(output));
+    expect_values(trace.graph(), values, tags, inputs, 1e-11, "seed " + std::to_string(seed));
   }
 }
 

@@ -154,6 +154,8 @@ Selection select_independent(const System& system, const Scaling& scaling, const
     const ClusterRank& cluster = clusters.clusters[c];
     if (cluster.dense) {
       choose_in_block({cluster.rows, cluster.columns, cluster.G}, cluster.rank, out, is_dependent);
+    } else if (cluster.rows.size() > kLargestDense && cluster.columns.size() > kLargestDense) {
+      choose_by_elimination(cluster, out, is_dependent);  // pivoting it as a whole takes longer than a long motion
     } else {  // evaluation divides by the pivots of this block: they must be the best there are
       const ClusterBlock block = make_cluster_block(system, scaling, blocks, system.topology->clusters[c]);
       choose_in_block(block, cluster.rank, out, is_dependent);

@@ -11,8 +11,7 @@ class ConstantAcceleration final : public Stepper {
   explicit ConstantAcceleration(const Evaluator& evaluator)
       : pos_(make_position_kinematics(evaluator.system())),
         vel_(make_velocity_kinematics(evaluator.system())),
-        constraints_(
-            make_constraint_kinematics(evaluator.system(), static_cast<int>(evaluator.driven().size()))),
+        constraints_(make_constraint_kinematics(evaluator.system(), static_cast<int>(evaluator.driven().size()))),
         drive_work_(make_drive_evaluation(evaluator.model())) {}
 
   Outcome step(Evaluator& evaluator, const State& state, double h, State& next) override {

@@ -47,6 +47,7 @@ Evaluator::Evaluator(std::shared_ptr<const DynamicsModel> model, Formulation for
 
 void Evaluator::set_drives(std::vector<int> driven, std::vector<bool> off) {
   off_ = std::move(off);
+  motion_problem_.clear();
   eq_ = make_equations(*model_, std::move(driven));
   result_ = correction_ = make_forward_result(eq_);
   row_scale_ = make_row_scale(*model_, scaling_, eq_.driven);
@@ -140,8 +141,9 @@ ForwardStatus Evaluator::evaluate(const State& state) {
     return ForwardStatus::kWornSelection;
   }
   if (state.t >= motion_problem_t_) motion_problem_.clear();
-  switch_off();
+  switch_off(eq_.force);
   solver_->solve(eq_, result_);
+  has_factors_ = result_.status == ForwardStatus::kSolved;
   if (result_.status != ForwardStatus::kSolved) return result_.status;
   friction_problem_.clear();
   if (friction_.any() && friction_.solve(state, eq_, joint_selection_, *solver_, result_) != FrictionStatus::kSolved) {
@@ -184,29 +186,25 @@ bool Evaluator::finds_programs() {
 }
 
 // Drives that do not act.
-void Evaluator::switch_off() {
+void Evaluator::switch_off(VectorXd& force) {
   for (std::size_t i = 0; i < off_.size(); ++i) {
     if (!off_[i]) continue;
-    eq_.force -= eq_.u[static_cast<long>(i)] * eq_.B_transposed.row(static_cast<long>(i)).transpose();
+    force -= eq_.u[static_cast<long>(i)] * eq_.B_transposed.row(static_cast<long>(i)).transpose();
     eq_.u[static_cast<long>(i)] = 0;
   }
 }
 
 bool Evaluator::evaluate_natively(const State& state, const ForwardProgram& program, Kernel::Board& board,
                                   ForwardProgram::Closure* closure) {
-  ++evaluations_;
   last_ = state;
   poses_stale_ = equations_stale_ = true;
   if (program.wants_applied()) {
     compute_untraced_forces(*model_, state, eq_, applied_);
-    for (std::size_t i = 0; i < off_.size(); ++i) {
-      if (!off_[i]) continue;
-      applied_ -= eq_.u[static_cast<long>(i)] * eq_.B_transposed.row(static_cast<long>(i)).transpose();
-      eq_.u[static_cast<long>(i)] = 0;
-    }
+    switch_off(applied_);
   }
   ForwardProgram::Watched watched;
   if (program.evaluate(state, applied_, board, result_, watched, closure) != ForwardStatus::kSolved) return false;
+  ++evaluations_;
   other_power_ = watched.power;
   if (closure != nullptr) note_sizes(closure->place, closure->speed, closure->turn);
   note_pivot(state.t, watched.smallest_pivot);
@@ -229,8 +227,9 @@ const Equations& Evaluator::equations() {
   if (!equations_stale_) return eq_;
   poses_stale_ = equations_stale_ = false;
   compute_equations(*model_, last_, eq_);
-  switch_off();
-  solver_->solve(eq_, correction_);  // the factors
+  switch_off(eq_.force);
+  solver_->solve(eq_, correction_);
+  has_factors_ = correction_.status == ForwardStatus::kSolved;
   return eq_;
 }
 
@@ -362,6 +361,7 @@ bool Evaluator::evaluate_stage(State& state) {
 
 void Evaluator::keep_admissible(VectorXd& dv) {
   residual_rhs_.noalias() = -equations().constraints.G * dv;
+  if (!has_factors_) return;  // where even native code hardly had them
   solver_->resolve(no_force_, residual_rhs_, correction_);
   dv += correction_.vdot;
 }

@@ -106,7 +106,7 @@ class Evaluator {
   bool evaluate_natively(const State& state, const ForwardProgram& program, Kernel::Board& board,
                          ForwardProgram::Closure* closure);
   double settle_natively(State& state);
-  void switch_off();
+  void switch_off(VectorXd& force);
   void note_sizes(double place, double speed, double turn);
   void note_pivot(double t, double pivot);
   double rounding_of_velocities() const;
@@ -134,6 +134,7 @@ class Evaluator {
   ForwardProgram::Closure closure_;
   bool programs_sought_ = false;
   State last_;                    ///< Of the last native evaluation.
+  bool has_factors_ = false;      ///< Those of the last evaluation by parts.
   bool poses_stale_ = false;      ///< `eq_.pos` and `eq_.vel` are not those of the last evaluation.
   bool equations_stale_ = false;  ///< `eq_` and the factors are not those of the last evaluation.
   ForwardResult correction_;
