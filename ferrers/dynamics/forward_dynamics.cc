@@ -17,7 +17,7 @@ ForwardDynamics::ForwardDynamics(std::shared_ptr<const DynamicsModel> model, con
   KktStructure structure = make_kkt_structure(system, selection_.rows);
   take_values(selection_.rows, blocks, structure);
   order_ = SparseKkt(structure, selection_.rows, make_scaling(system).columns);
-  if (order_.is_complete() && ForwardProgram::knows(*model_)) find_program();
+  if (order_.is_complete() && ForwardProgram::knows(*model_) && ForwardProgram::pays(order_)) find_program();
   evaluate(state);
   first_pivot_ = pivot_;
 }

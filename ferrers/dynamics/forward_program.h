@@ -34,11 +34,13 @@ class ForwardProgram {
 
   /// Whether the model is made of parts that this program knows: no couplings, formulas or coordinates of their own.
   static bool knows(const DynamicsModel& model);
+  /// Whether straight code is short enough to be faster than loops over matrices: a tangle of a hundred bodies is not.
+  static bool pays(const SparseKkt& kkt);
   /// Whether all angles are near enough to be turned by polynomials (math/traced.h).
   static bool reaches(const State& state);
 
-  /// Cost: some hundred nanoseconds per operation. `states`: 1, or a multiple of four for as many independent states at once
-  /// (forward_batch.h).
+  /// Cost: some hundred nanoseconds per operation. `states`: 1, or a multiple of four for as many independent states at
+  /// once (forward_batch.h).
   ForwardProgram(const DynamicsModel& model, const SparseKkt& kkt, Extent extent, int states = 1);
 
   bool is_native() const { return kernel_.is_native(); }

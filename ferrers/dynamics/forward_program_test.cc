@@ -4,9 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include "ferrers/redundancy/selection.h"
 #include "ferrers/testing/engine_probe.h"
 #include "ferrers/testing/random_mechanism.h"
 #include "ferrers/testing/zoo.h"
+#include "ferrers/testing/zoo_large.h"
 
 namespace ferrers::witness {
 namespace {
@@ -106,6 +108,18 @@ TEST(ForwardProgramTest, MostOfAChainIsDoneFourLoopsAtATime) {
     return ForwardProgram(*engine.dynamics, kkt, ForwardProgram::Extent::kAccelerations);
   };
   EXPECT_GT(program(40).shared_part(), 0.8);
+}
+
+TEST(ForwardProgramTest, IsNotMadeOfTanglesThatItWouldSlowDown) {
+  EngineProbe chain(make_n_four_bar(100, 0.3)), tangle(make_ball_tangle(40, 20));
+  for (EngineProbe* engine : {&chain, &tangle}) {
+    const ConstraintBlocks blocks = compute_constraint_blocks(*engine->system, engine->start());
+    engine->selection =
+        select_rows_and_coordinates(*engine->system, decide_clusters(*engine->system, engine->scaling, blocks));
+    compute_equations(*engine->dynamics, engine->start(), engine->eq);
+  }
+  EXPECT_TRUE(ForwardProgram::pays(chosen_order(chain)));
+  EXPECT_FALSE(ForwardProgram::pays(chosen_order(tangle)));
 }
 
 TEST(ForwardProgramTest, IsFoundAgainByTheModelButNotByItsCopy) {

@@ -122,9 +122,6 @@ Expression sum_of(std::span<const Expression> terms);
 /// On processors with AVX the code of all but the smallest programs is native, with the same bits as result; elsewhere,
 /// or where memory may not be executed, it is interpreted.
 ///
-/// On processors with AVX the code of all but the smallest programs is native, with the same bits as result; elsewhere,
-/// or where memory may not be executed, it is interpreted.
-///
 /// Evaluation allocates nothing: its registers stand on the stack. (Beyond 16384 registers, which takes thousands of
 /// outputs or a hostile formula, they are allocated.) Copies share the code; evaluation from several threads is safe.
 class ExpressionProgram {

@@ -170,7 +170,9 @@ bool Evaluator::finds_programs() {
   const SparseKkt* const order = solver_->order();
   if (order == nullptr) return false;  // nothing was solved yet, or another formulation
   programs_sought_ = true;
-  if (!eq_.driven.empty() || friction_.any() || !ForwardProgram::knows(*model_)) return false;
+  if (!eq_.driven.empty() || friction_.any() || !ForwardProgram::knows(*model_) || !ForwardProgram::pays(*order)) {
+    return false;
+  }
   const auto find = [&](ForwardProgram::Extent extent) {
     return (*model_->programs).find_or_make(*model_, *order, extent);
   };
