@@ -5,8 +5,9 @@
 #include <benchmark/benchmark.h>
 
 #include <string>
+#include <vector>
 
-#include "ferrers/dynamics/forward_program.h"
+#include "ferrers/dynamics/forward_dynamics.h"
 #include "ferrers/redundancy/selection.h"
 #include "ferrers/testing/engine_probe.h"
 #include "ferrers/testing/zoo.h"
@@ -112,12 +113,29 @@ void measure_resolution(benchmark::State& run, const ModelSpec& spec, Formulatio
   }
 }
 
-void add(const std::string& name, const ModelSpec& spec) {
+// As it is used: for states that come one by one.
+void measure_growth(benchmark::State& run, const ModelSpec& spec) {
+  const EngineProbe engine(spec);
+  const State state = engine.start();
+  ForwardDynamics dynamics(engine.dynamics, state);
+  for (auto _ : run) {
+    dynamics.evaluate(state);
+    benchmark::DoNotOptimize(dynamics.result().vdot.data());
+  }
+  if (dynamics.result().status != ForwardStatus::kSolved) run.SkipWithError("not solved");
+  run.counters["coordinates"] = engine.system->nv;
+}
+
+// Those that suit: dense ones take minutes where there are a thousand coordinates.
+std::vector<Formulation> all_formulations() { return {kFormulations.begin(), kFormulations.end()}; }
+
+void add(const std::string& name, const ModelSpec& spec,
+         const std::vector<Formulation>& formulations = all_formulations()) {
   const auto in_microseconds = [](auto* registered) { registered->Unit(benchmark::kMicrosecond); };
   in_microseconds(benchmark::RegisterBenchmark(("equations/" + name).c_str(), measure_equations, spec));
   in_microseconds(benchmark::RegisterBenchmark(("program/" + name).c_str(), measure_program, spec));
   in_microseconds(benchmark::RegisterBenchmark(("compile/" + name).c_str(), measure_compilation, spec));
-  for (const Formulation f : kFormulations) {
+  for (const Formulation f : formulations) {
     const std::string title = std::string(to_string(f)) + "/" + name;
     in_microseconds(benchmark::RegisterBenchmark(("solve/" + title).c_str(), measure_solution, spec, f, false));
     in_microseconds(benchmark::RegisterBenchmark(("resolve/" + title).c_str(), measure_resolution, spec, f));
@@ -132,8 +150,12 @@ int main(int argc, char** argv) {
   add("four_bar", make_four_bar(FourBarJoints::kRevolute));
   add("three_cranks", make_parallel_cranks());
   add("andrews_a03", make_andrews());
-  for (const int n : {1, 2, 10, 40, 100, 300, 1000})
-    add("n_four_bar_a02/" + std::to_string(n), make_n_four_bar(n, 0.3));
+  for (const int n : {1, 2, 10, 40, 100, 300}) add("n_four_bar_a02/" + std::to_string(n), make_n_four_bar(n, 0.3));
+  add("n_four_bar_a02/1000", make_n_four_bar(1000, 0.3), {Formulation::kSparse});
+  for (const int n : {100, 1000, 10000}) {
+    const std::string name = "forward_dynamics/n_four_bar_a02/" + std::to_string(n);
+    benchmark::RegisterBenchmark(name.c_str(), measure_growth, make_n_four_bar(n, 0.3))->Unit(benchmark::kMicrosecond);
+  }
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
   benchmark::RunSpecifiedBenchmarks();

@@ -148,7 +148,7 @@ TEST_P(BennettSweepTest, TheReadingDoesNotFlickerAlongTheMotion) {
     const auto system = make_perturbed(GetParam(), k);
     const AssemblyResult assembly = assemble(*system);
     const ContradictionReport contradiction = analyze_contradiction(*system, assembly);
-    const Scaling scaling = make_scaling(*system);
+    const Scaling& scaling = system->scaling;
     const CoordinateAccess crank = system->access({*system->model->find_joint("H1"), 0});
     ASSERT_TRUE(crank.in_tree);
     State state = assembly.state;

@@ -97,7 +97,7 @@ Loaded load(const peers::Scene& scene, const std::string& model) {
 
 Selection decide(const System& system, const State& state) {
   const ConstraintBlocks blocks = compute_constraint_blocks(system, state);
-  return select_rows_and_coordinates(system, decide_clusters(system, make_scaling(system), blocks));
+  return select_rows_and_coordinates(system, decide_clusters(system, system.scaling, blocks));
 }
 
 void measure_forward(const peers::Scene& scene, double seconds, Loaded& l) {
@@ -214,6 +214,7 @@ void measure_simulation(const peers::Scene& scene, int argc, char** argv, Loaded
   if (!step.empty()) options.step = std::stod(step);
   if (!tolerance.empty()) options.tolerance = std::stod(tolerance);
   options.integrator = find_integrator(peers::setting(argc, argv, "integrator", "dormand-prince-8"));
+  options.native_code = NativeCode::kAlways;  // made in the first run, which is not timed
   options.with_reactions = options.find_singular_poses = false;
   options.grid = {end, end / std::stod(peers::setting(argc, argv, "samples", "100"))};
   const Run sampled = run_once(l, scene, options);

@@ -100,7 +100,7 @@ class FoundPrograms {
   FoundPrograms();
   FoundPrograms(const FoundPrograms& other);
   FoundPrograms& operator=(const FoundPrograms& other);
-  ForwardPrograms& operator*() const { return *programs_; }
+  ForwardPrograms* operator->() const { return programs_.get(); }
 
  private:
   std::shared_ptr<ForwardPrograms> programs_;

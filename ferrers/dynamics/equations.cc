@@ -43,6 +43,14 @@ void fill_drive_row(const DynamicsModel& model, const DriveComponent& drive, con
   add_drive_row(model, drive, pos, jet, work, row);
 }
 
+std::vector<std::vector<int>> with_diagonal(std::vector<std::vector<int>> rows) {
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const int own = static_cast<int>(i);
+    rows[i].insert(std::lower_bound(rows[i].begin(), rows[i].end(), own), own);
+  }
+  return rows;
+}
+
 }  // namespace
 
 std::vector<Matrix3d> inertias_about_origins(const DynamicsModel& model) {
@@ -54,22 +62,57 @@ std::vector<Matrix3d> inertias_about_origins(const DynamicsModel& model) {
   return out;
 }
 
+// Coordinates of one node, of those that carry it and of those that it carries.
+std::vector<std::vector<int>> mass_couplings(const System& system) {
+  std::vector<std::vector<int>> mass(system.nv);
+  for (std::size_t i = 1; i < system.nodes.size(); ++i) {
+    const Node& node = system.nodes[i];
+    std::vector<int> above;
+    for (int a = node.parent; a > 0; a = system.nodes[a].parent) {
+      for (int k = 0; k < system.nodes[a].nv; ++k) above.push_back(system.nodes[a].v + k);
+    }
+    for (int k = node.v; k < node.v + node.nv; ++k) {
+      for (int own = node.v; own < node.v + node.nv; ++own) {
+        if (own != k) mass[k].push_back(own);
+      }
+      for (const int a : above) {
+        mass[k].push_back(a);
+        mass[a].push_back(k);
+      }
+    }
+  }
+  for (const auto& [a, b] : lagrangian_mass_pattern(system)) {
+    if (a != b) mass[a].push_back(b);
+  }
+  for (std::vector<int>& coupled : mass) {
+    std::sort(coupled.begin(), coupled.end());
+    coupled.erase(std::unique(coupled.begin(), coupled.end()), coupled.end());
+  }
+  return mass;
+}
+
+std::vector<std::vector<int>> columns_of_drives(const DynamicsModel& model, const std::vector<int>& drives) {
+  std::vector<std::vector<int>> out;
+  for (const int i : drives) {
+    std::vector<int> columns;
+    for_each_column(*model.system, model.drives[i], [&](int k) { columns.push_back(k); });
+    std::sort(columns.begin(), columns.end());
+    columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
+    out.push_back(std::move(columns));
+  }
+  return out;
+}
+
 Equations make_equations(const DynamicsModel& model, std::vector<int> driven) {
   const System& system = *model.system;
   Equations eq;
   for (const int i : driven) require(model.drives.at(i).motion.has_value(), "make_equations: a driven drive has a law");
   eq.pos = make_position_kinematics(system);
   eq.vel = make_velocity_kinematics(system);
-  eq.constraints = make_constraint_kinematics(system, static_cast<int>(driven.size()));
-  for (const int i : driven) {
-    std::vector<int> columns;
-    for_each_column(system, model.drives[i], [&](int k) { columns.push_back(k); });
-    std::sort(columns.begin(), columns.end());
-    columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
-    eq.driven_columns.push_back(std::move(columns));
-  }
+  eq.driven_columns = columns_of_drives(model, driven);
+  eq.constraints = make_constraint_kinematics(system, eq.driven_columns);
   eq.driven = std::move(driven);
-  eq.M = MatrixXd::Zero(system.nv, system.nv);
+  eq.M = PatternMatrix(with_diagonal(mass_couplings(system)), system.nv);
   eq.h = eq.tau = eq.force = VectorXd::Zero(system.nv);
   eq.B_transposed = RowMatrixXd::Zero(model.nu(), system.nv);
   eq.u = VectorXd::Zero(model.nu());
@@ -95,7 +138,7 @@ void sweep(const DynamicsModel& model, Equations& eq, bool with_bias) {
   load_composites<double>(model, eq.inertias_N, eq.pos, with_bias ? &eq.vel : nullptr, eq.composites);
   sweep_composites<double>(
       system, eq.pos, eq.composites,
-      [&](int k, int column, double value) { eq.M(k, column) = eq.M(column, k) = value; },
+      [&](int k, int column, double value) { eq.M.entry(k, column) = eq.M.entry(column, k) = value; },
       [&](int k, double value) {
         if (with_bias) eq.h[k] = value;
       });
@@ -115,7 +158,8 @@ void compute_driven_rows(const DynamicsModel& model, const State& state, const s
     out.rate[row] = jet.rate;
     out.nu[row] = law.rate;
     out.gamma[row] = law.acceleration - jet.bias;
-    fill_drive_row(model, drive, pos, jet, work, out.G.row(row));
+    add_drive_row(model, drive, pos, jet, work, out.whole_row);
+    out.G.take_row(row, out.whole_row);
     ++row;
   }
 }

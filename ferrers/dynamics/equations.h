@@ -15,7 +15,7 @@ struct Equations {
   PositionKinematics pos;
   VelocityKinematics vel;
   ConstraintKinematics constraints;
-  MatrixXd M;
+  PatternMatrix M;
   VectorXd h, tau;
   RowMatrixXd B_transposed;  ///< nu×nv: rows of the drives' rates, ∂(rate)/∂v.
   VectorXd u;                ///< Efforts of the drives that have an effort law, else 0.
@@ -40,11 +40,17 @@ struct Equations {
 
 Equations make_equations(const DynamicsModel& model, std::vector<int> driven = {});
 
+/// Per coordinate, those that M can couple it with, itself left out; ascending.
+std::vector<std::vector<int>> mass_couplings(const System& system);
+
+/// Per drive component, coordinates that its rate can depend on; ascending.
+std::vector<std::vector<int>> columns_of_drives(const DynamicsModel& model, const std::vector<int>& drives);
+
 /// Inertia of each single body about its node's origin, node axes, kg·m².
 std::vector<Matrix3d> inertias_about_origins(const DynamicsModel& model);
 
-/// Fills everything for `state`; drives take their effort laws. Allocates nothing. Only entries of M, G and B that can
-/// differ from zero are written: the others are zero since `make_equations`. Cost: O(bodies · depth + rows · loop).
+/// Fills everything for `state`; drives take their effort laws. Allocates nothing. Only entries of B that can differ
+/// from zero are written: the others are zero since `make_equations`. Cost: O(bodies · depth + rows · loop).
 void compute_equations(const DynamicsModel& model, const State& state, Equations& out);
 
 /// The rows of prescribed drives, after the system's own. `work`: from `make_drive_evaluation`.

@@ -8,6 +8,7 @@
 
 #include "ferrers/core/checks.h"
 #include "ferrers/redundancy/rank_notice.h"
+#include "ferrers/redundancy/selection.h"
 
 namespace ferrers {
 namespace {
@@ -90,7 +91,7 @@ EquationResidual measure_positions_residual(const System& system, const Scaling&
 }
 
 // G x = wanted.
-EquationResidual measure_rows(const System& system, const Scaling& scaling, const RowMatrixXd& G, const VectorXd& x,
+EquationResidual measure_rows(const System& system, const Scaling& scaling, const PatternMatrix& G, const VectorXd& x,
                               const VectorXd& wanted, int equation, const char* unit) {
   Gauge gauge(equation, unit);
   for (int i = 0; i < system.m; ++i) {
@@ -228,8 +229,7 @@ VectorXd multipliers_of(const Equations& eq, const Selection& s, const VectorXd&
   VectorXd lambda = VectorXd::Zero(m);
   if (s.rows.empty()) return lambda;
   const VectorXd carried = eq.M * vdot - eq.force;
-  const MatrixXd G_d = eq.constraints.G(s.rows, s.dependent);
-  const VectorXd kept = G_d.transpose().partialPivLu().solve(VectorXd(carried(s.dependent)));
+  const VectorXd kept = DependentBlock(s, eq.constraints.G).solve_transposed(VectorXd(carried(s.dependent)));
   lambda(s.rows) = kept;
   return lambda;
 }
@@ -251,14 +251,14 @@ void judge_residuals(EquationsReport& report) {
 std::vector<ReactionStatus> judge_multipliers(const DynamicsModel& model, const Equations& eq,
                                               const Selection& selection) {
   const System& system = *model.system;
-  const Scaling scaling = make_scaling(system);
+  const Scaling& scaling = system.scaling;
   std::vector<ReactionStatus> out(static_cast<std::size_t>(system.m), ReactionStatus::kUnique);
   // Idle efforts are of unit size, their multipliers in proportion (dynamics/least_effort.h).
   for (int i = 0; i < system.m && eq.idle_lambda.cols() > 0; ++i) {
     if (is_negligible(eq.idle_lambda.row(i).norm() / scaling.rows[i], 1.0)) continue;
     out[static_cast<std::size_t>(i)] = ReactionStatus::kDistributed;
   }
-  const MatrixXd Z = self_stresses_of_selection(system, selection, eq.constraints.G.topRows(system.m));
+  const MatrixXd Z = self_stresses_of_selection(system, selection, eq.constraints.G);
   if (Z.cols() == 0) return out;
   const Eigen::HouseholderQR<MatrixXd> qr(scaling.rows.cwiseInverse().asDiagonal() * Z);
   const MatrixXd basis = qr.householderQ() * MatrixXd::Identity(Z.rows(), Z.cols());
@@ -273,7 +273,7 @@ std::vector<EquationResidual> measure_residuals(const DynamicsModel& model, cons
                                                 const VectorXd& vdot, const VectorXd& lambda, const VectorXd& u) {
   const System& system = *model.system;
   require_size(v.size(), system.nv, "measure_residuals: v");
-  const Scaling scaling = make_scaling(system);
+  const Scaling& scaling = system.scaling;
   const ConstraintKinematics& c = eq.constraints;
   std::vector<EquationResidual> out = {measure_positions_residual(system, scaling, c.phi),
                                        measure_rows(system, scaling, c.G, v, c.nu, 7, "m/s")};

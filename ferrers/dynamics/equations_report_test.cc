@@ -183,7 +183,7 @@ TEST(EquationsReportTest, ResidualsTellHowFarAndWhereTheEquationsFail) {
   EXPECT_NEAR(left[1].largest, G.col(crank).cwiseAbs().maxCoeff(), 1e-12);  // only force rows in the plane feel it
   EXPECT_NEAR(left[2].largest, 0.5 * left[1].largest, 1e-12);
   const double length = report.characteristic_length_m;
-  EXPECT_NEAR(left[3].largest, 0.5 * report.equations.M.col(crank).cwiseAbs().maxCoeff() / length, 1e-12);
+  EXPECT_NEAR(left[3].largest, 0.5 * MatrixXd(report.equations.M).col(crank).cwiseAbs().maxCoeff() / length, 1e-12);
   EXPECT_THAT(left[1].at, HasSubstr("/force_"));
   // A row left out counts as well.
   ASSERT_FALSE(report.excluded_rows.empty());

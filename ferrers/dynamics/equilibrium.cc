@@ -34,7 +34,7 @@ struct Directions {
 class Search {
  public:
   Search(const DynamicsModel& model, const State& start, const EquilibriumOptions& options)
-      : model_(model), system_(*model.system), scaling_(make_scaling(system_)), options_(options) {
+      : model_(model), system_(*model.system), scaling_(system_.scaling), options_(options) {
     result_.state = start;
     result_.state.v.setZero();
     result_.state.t = options.t;

@@ -36,7 +36,7 @@ constexpr double kConverged = 1e-14;
 class AugmentedSolver final : public ForwardSolver {
  public:
   AugmentedSolver(const System& system, int rank)
-      : scaling_(make_scaling(system)),
+      : scaling_(system.scaling),
         rank_(rank),
         A_(system.nv, system.nv),
         llt_(system.nv),
@@ -107,31 +107,36 @@ class AugmentedSolver final : public ForwardSolver {
   void make_room() {
     const long m = G_->rows();
     weight_ = size_ = error_ = weighted_ = kept_ = VectorXd::Zero(m);
-    entries_.reserve(static_cast<std::size_t>(G_->cols()));
   }
   // W = ρ D²: rows of mechanisms by the characteristic length, prescribed motions by their own size.
   void weigh_rows() {
     const VectorXd& columns = scaling_.columns;
-    penalty_ = (M_->diagonal().array() * columns.array().square()).maxCoeff() / kPenalty;
+    double heaviest = 0;
+    for (long k = 0; k < columns.size(); ++k) heaviest = std::max(heaviest, (*M_)(k, k) * columns[k] * columns[k]);
+    penalty_ = heaviest / kPenalty;
     const long m = scaling_.rows.size();
     for (long i = 0; i < weight_.size(); ++i) {
-      size_[i] = i < m ? 1 / scaling_.rows[i] : G_->row(i).transpose().cwiseProduct(columns).norm();
+      size_[i] = i < m ? 1 / scaling_.rows[i] : scaled_row_size(i);
       weight_[i] = size_[i] > 0 ? penalty_ / (size_[i] * size_[i]) : 0;
     }
   }
 
-  // The lower half of M + Gᵀ W G.
+  double scaled_row_size(long row) const {
+    double sum = 0;
+    for (PatternMatrix::InnerIterator it(*G_, row); it; ++it) {
+      const double entry = it.value() * scaling_.columns[it.col()];
+      sum += entry * entry;
+    }
+    return std::sqrt(sum);
+  }
+
+  // The lower half of M + Gᵀ W G; the upper half is not read.
   void assemble() {
-    A_.triangularView<Eigen::Lower>() = *M_;
+    A_ = *M_;
     for (long i = 0; i < weight_.size(); ++i) {
-      const double* row = G_->data() + i * G_->cols();
-      entries_.clear();
-      for (int k = 0; k < static_cast<int>(G_->cols()); ++k) {
-        if (row[k] != 0) entries_.push_back(k);
-      }
-      for (std::size_t a = 0; a < entries_.size(); ++a) {
-        const double weighted = weight_[i] * row[entries_[a]];
-        for (std::size_t b = a; b < entries_.size(); ++b) A_(entries_[b], entries_[a]) += weighted * row[entries_[b]];
+      for (PatternMatrix::InnerIterator a(*G_, i); a; ++a) {
+        const double weighted = weight_[i] * a.value();
+        for (PatternMatrix::InnerIterator b = a; b; ++b) A_(b.col(), a.col()) += weighted * b.value();
       }
     }
   }
@@ -182,12 +187,11 @@ class AugmentedSolver final : public ForwardSolver {
 
   Scaling scaling_;
   int rank_;
-  const MatrixXd* M_ = nullptr;  // of the equations solved last
-  const RowMatrixXd* G_ = nullptr;
+  const PatternMatrix* M_ = nullptr;  // of the equations solved last
+  const PatternMatrix* G_ = nullptr;
   MatrixXd A_;
   Eigen::LLT<MatrixXd> llt_;
   VectorXd delta_, rest_, weight_, size_, error_, weighted_, kept_;
-  std::vector<int> entries_;
   std::vector<double> pivots_;
   double penalty_ = 0, smallest_pivot_ = 0;
 };

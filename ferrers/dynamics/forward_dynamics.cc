@@ -12,18 +12,18 @@ ForwardDynamics::ForwardDynamics(std::shared_ptr<const DynamicsModel> model, con
   const System& system = *model_->system;
   require(model_->massless_bodies.empty(), "ForwardDynamics: a body has no mass");
   const ConstraintBlocks blocks = compute_constraint_blocks(system, state);
-  selection_ = select_rows_and_coordinates(system, decide_clusters(system, make_scaling(system), blocks));
+  selection_ = select_rows_and_coordinates(system, decide_clusters(system, system.scaling, blocks));
   applied_ = VectorXd::Zero(system.nv);
   KktStructure structure = make_kkt_structure(system, selection_.rows);
   take_values(selection_.rows, blocks, structure);
-  order_ = SparseKkt(structure, selection_.rows, make_scaling(system).columns);
+  order_ = SparseKkt(structure, selection_.rows, system.scaling.columns);
   if (order_.is_complete() && ForwardProgram::knows(*model_) && ForwardProgram::pays(order_)) find_program();
   evaluate(state);
   first_pivot_ = pivot_;
 }
 
 void ForwardDynamics::find_program() {
-  const auto program = (*model_->programs).find_or_make(*model_, order_, ForwardProgram::Extent::kAccelerations);
+  const auto program = model_->programs->find_or_make(*model_, order_, ForwardProgram::Extent::kAccelerations);
   if (!program->is_native()) return;
   board_ = program->make_board();
   program_ = program;
@@ -33,8 +33,7 @@ std::shared_ptr<const ForwardProgram> ForwardDynamics::of_states(int states) con
   // Where loops share their code already, states in its place would need more than the nearest cache holds.
   constexpr std::size_t kLargest = 16 * 1024;
   if (program_ == nullptr || (program_->shared_part() > 0.5 && program_->code_bytes() > kLargest)) return nullptr;
-  const auto program =
-      (*model_->programs).find_or_make(*model_, order_, ForwardProgram::Extent::kAccelerations, states);
+  const auto program = model_->programs->find_or_make(*model_, order_, ForwardProgram::Extent::kAccelerations, states);
   return program->is_native() ? program : nullptr;
 }
 

@@ -27,7 +27,7 @@ class EliminationSolver final : public ForwardSolver {
       out.status = ForwardStatus::kSingularMass;
       return;
     }
-    for (int i = 0; i < r_; ++i) X_.col(i) = eq.constraints.G.row(s_.rows[i]);
+    for (int i = 0; i < r_; ++i) X_.col(i) = eq.constraints.G.row(s_.rows[i]).transpose();
     if (r_ > 0) {
       mass_.matrixL().solveInPlace(X_);
       A_.noalias() = X_.transpose() * X_;
@@ -59,7 +59,7 @@ class EliminationSolver final : public ForwardSolver {
   double smallest_pivot() const override { return r_ > 0 ? llt_.matrixLLT().diagonal().cwiseAbs().minCoeff() : 1.0; }
 
  private:
-  bool has_lost_pivot(const MatrixXd& M) const {
+  bool has_lost_pivot(const PatternMatrix& M) const {
     for (long k = 0; k < M.rows(); ++k) {
       const double root = mass_.matrixLLT()(k, k);
       if (is_lost_pivot(root * root, M(k, k))) return true;

@@ -9,11 +9,18 @@
 
 namespace ferrers {
 
-void SparseKkt::load(const MatrixXd& M, const RowMatrixXd& G) {
+void SparseKkt::find_places(const PatternMatrix& M, const PatternMatrix& G) {
+  for (Move& move : mass_moves_) move.from = M.place(move.row, move.column);
+  for (Move& move : row_moves_) move.from = G.place(move.row, move.column);
+  for (Single& single : singles_) single.mass = M.place(order_[single.position], order_[single.position]);
+  places_known_ = true;
+}
+
+void SparseKkt::load(const PatternMatrix& M, const PatternMatrix& G) {
   std::fill(x_.begin(), x_.end(), 0.0);
   double* x = x_.data();
-  for (const Move& move : mass_moves_) x[move.to] = M.data()[move.from];
-  for (const Move& move : row_moves_) x[move.to] = G.data()[move.from];
+  for (const Move& move : mass_moves_) x[move.to] = M.valuePtr()[move.from];
+  for (const Move& move : row_moves_) x[move.to] = G.valuePtr()[move.from];
 }
 
 template <class T>
@@ -57,8 +64,9 @@ void SparseKkt::eliminate(const Single& single, T* x) const {
 template void SparseKkt::eliminate(const Pair&, Traced*) const;
 template void SparseKkt::eliminate(const Single&, Traced*) const;
 
-ForwardStatus SparseKkt::factor(const MatrixXd& M, const RowMatrixXd& G) {
+ForwardStatus SparseKkt::factor(const PatternMatrix& M, const PatternMatrix& G) {
   if (!complete_) return ForwardStatus::kWornSelection;
+  if (!places_known_) find_places(M, G);
   load(M, G);
   smallest_pivot_ = pairs_.empty() ? 1 : INFINITY;
   for (const Pair& pair : pairs_) {
@@ -66,7 +74,8 @@ ForwardStatus SparseKkt::factor(const MatrixXd& M, const RowMatrixXd& G) {
     eliminate(pair, x_.data());
   }
   // What a motion without mass leaves of either is rounding: of its own mass, or of that with what follows it.
-  for (std::size_t k = 0; k < singles_.size(); ++k) began_[k] = M.data()[singles_[k].mass] + x_[singles_[k].diagonal];
+  for (std::size_t k = 0; k < singles_.size(); ++k)
+    began_[k] = M.valuePtr()[singles_[k].mass] + x_[singles_[k].diagonal];
   for (std::size_t k = 0; k < singles_.size(); ++k) {
     if (is_lost_pivot(x_[singles_[k].diagonal], began_[k])) return ForwardStatus::kSingularMass;
     eliminate(singles_[k], x_.data());

@@ -38,7 +38,7 @@ struct KktStructure {
 /// Of a system's own rows; those of prescribed motions (from system.m on) are left empty for the caller to fill.
 KktStructure make_kkt_structure(const System& system, const std::vector<int>& rows);
 /// Fills `values`: from G, or from its closures alone.
-void take_values(const std::vector<int>& rows, const RowMatrixXd& G, KktStructure& structure);
+void take_values(const std::vector<int>& rows, const PatternMatrix& G, KktStructure& structure);
 void take_values(const std::vector<int>& rows, const ConstraintBlocks& blocks, KktStructure& structure);
 
 /// The factors, and the program that makes them.
@@ -50,8 +50,9 @@ class SparseKkt {
   SparseKkt(const KktStructure& structure, const std::vector<int>& rows, const VectorXd& column_scale);
 
   /// kSingularMass where Nᵀ M N is not positive definite but for rounding, kWornSelection where some row has no
-  /// coordinate to determine. Reads entries of the structure only. Allocates nothing.
-  ForwardStatus factor(const MatrixXd& M, const RowMatrixXd& G);
+  /// coordinate to determine. M and G: symmetric, with all entries of the structure in their patterns, which must be
+  /// those of the first call ever after. Allocates nothing, but for that call.
+  ForwardStatus factor(const PatternMatrix& M, const PatternMatrix& G);
   /// With the last factors. `gamma`, `lambda`: of all rows of G; only the chosen ones are read and written.
   void solve(const VectorXd& force, const VectorXd& gamma, VectorXd& vdot, VectorXd& lambda);
 
@@ -108,14 +109,15 @@ class SparseKkt {
   struct Single {
     int position = 0, diagonal = 0, count = 0, columns = 0;
     Range runs;
-    std::ptrdiff_t mass = 0;  ///< Its diagonal entry in M.
+    int mass = 0;  ///< Where its diagonal entry is in M.
   };
   struct Move {
-    int to;
-    std::ptrdiff_t from;
+    int to, row, column;
+    int from;  ///< Among the values of M or G.
   };
 
-  void load(const MatrixXd& M, const RowMatrixXd& G);
+  void find_places(const PatternMatrix& M, const PatternMatrix& G);
+  void load(const PatternMatrix& M, const PatternMatrix& G);
   template <class T>
   void eliminate(const Pair& pair, T* x) const;
   template <class T>
@@ -134,7 +136,7 @@ class SparseKkt {
   std::vector<int> order_;              // coordinates by position
   std::vector<double> f_, b_, lambda_;  // by position; by pair
   std::vector<double> began_;           // per single: the masses that its pivot is left of
-  bool complete_ = false;
+  bool complete_ = false, places_known_ = false;
   double smallest_pivot_ = 0;
   long operations_ = 0;
 };
@@ -143,18 +145,17 @@ class SparseKkt {
 
 template <class Mass, class Jacobian>
 SparseKkt::TracedFactors SparseKkt::trace(Mass M, Jacobian G) const {
-  const auto n = static_cast<std::ptrdiff_t>(order_.size());
   TracedFactors out;
   std::vector<Traced>& x = out.x;
   x.resize(x_.size());
-  for (const Move& move : mass_moves_) x[move.to] = M(static_cast<int>(move.from / n), static_cast<int>(move.from % n));
-  for (const Move& move : row_moves_) x[move.to] = G(static_cast<int>(move.from / n), static_cast<int>(move.from % n));
+  for (const Move& move : mass_moves_) x[move.to] = M(move.row, move.column);
+  for (const Move& move : row_moves_) x[move.to] = G(move.row, move.column);
   for (const Pair& pair : pairs_) {
     out.pivots.push_back(x[pair.pivot] * Traced(pair.weight));
     eliminate(pair, x.data());
   }
   for (const Single& single : singles_) {
-    const auto own = static_cast<int>(single.mass / (n + 1));
+    const int own = order_[single.position];
     out.began.push_back(M(own, own) + x[single.diagonal]);
   }
   for (const Single& single : singles_) {

@@ -331,7 +331,6 @@ class KktCompiler {
     SparseKkt::Single single;
     single.position = position;
     single.diagonal = mass_[position].begin;
-    single.mass = step.column * (static_cast<std::ptrdiff_t>(position_.size()) + 1);
     single.count = static_cast<int>(step.touched.size());
     single.columns = begin_columns(step.touched);
     single.runs = no_runs();
@@ -345,17 +344,16 @@ class KktCompiler {
   }
 
   void write_moves(const KktStructure& structure, const Indices& rows) {
-    const auto n = static_cast<std::ptrdiff_t>(position_.size());
     for (std::size_t k = 0; k < rows.size(); ++k) {
       for (const int column : structure.rows[k]) {
-        out_.row_moves_.push_back({row_[k].at(position_[column]), rows[k] * n + column});
+        out_.row_moves_.push_back({row_[k].at(position_[column]), rows[k], column, 0});
       }
     }
     for (int s = 0; s < static_cast<int>(steps_.size()); ++s) {
       const int p = out_.order_[s];
-      out_.mass_moves_.push_back({mass_[s].begin, p * n + p});
+      out_.mass_moves_.push_back({mass_[s].begin, p, p, 0});
       for (const int q : structure.mass[p]) {
-        if (position_[q] > s) out_.mass_moves_.push_back({mass_[s].at(position_[q]), p * n + q});
+        if (position_[q] > s) out_.mass_moves_.push_back({mass_[s].at(position_[q]), p, q, 0});
       }
     }
   }

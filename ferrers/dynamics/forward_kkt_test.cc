@@ -4,6 +4,7 @@
 
 #include <Eigen/LU>
 #include <map>
+#include <numeric>
 
 #include "ferrers/redundancy/cluster_rank.h"
 #include "ferrers/redundancy/selection.h"
@@ -60,7 +61,19 @@ struct RandomKkt {
   }
 };
 
-SparseKkt ordered(KktStructure structure, const std::vector<int>& rows, const VectorXd& scale, const RowMatrixXd& G) {
+// With an entry in every place.
+PatternMatrix filled(const MatrixXd& dense) {
+  std::vector<int> all(static_cast<std::size_t>(dense.cols()));
+  std::iota(all.begin(), all.end(), 0);
+  PatternMatrix out(std::vector<std::vector<int>>(static_cast<std::size_t>(dense.rows()), all),
+                    static_cast<int>(dense.cols()));
+  for (int i = 0; i < dense.rows(); ++i) {
+    for (int k = 0; k < dense.cols(); ++k) out.entry(i, k) = dense(i, k);
+  }
+  return out;
+}
+
+SparseKkt ordered(KktStructure structure, const std::vector<int>& rows, const VectorXd& scale, const PatternMatrix& G) {
   take_values(rows, G, structure);
   return {structure, rows, scale};
 }
@@ -70,9 +83,9 @@ TEST(SparseKktTest, SolvesWhatADenseFactorizationSolves) {
   for (int trial = 0; trial < 200; ++trial) {
     const int n = 1 + trial % 25, r = trial % (n + 1);
     RandomKkt kkt(random, r, n, 0.05 + 0.15 * (trial % 5));
-    SparseKkt sparse = ordered(kkt.structure, kkt.rows, VectorXd::Ones(n), kkt.G);
+    SparseKkt sparse = ordered(kkt.structure, kkt.rows, VectorXd::Ones(n), filled(kkt.G));
     for (int again = 0; again < 3; ++again) {
-      ASSERT_EQ(sparse.factor(kkt.M, kkt.G), ForwardStatus::kSolved);
+      ASSERT_EQ(sparse.factor(filled(kkt.M), filled(kkt.G)), ForwardStatus::kSolved);
       VectorXd force(n), gamma(r), v(n), lambda(r);
       for (double& x : force) x = random.between(-1, 1);
       for (double& x : gamma) x = random.between(-1, 1);
@@ -94,24 +107,24 @@ TEST(SparseKktTest, RowsThatNothingCanSatisfyAndMotionsWithoutMassAreSaid) {
   RowMatrixXd G = RowMatrixXd::Zero(2, 2);
   G.col(0).setOnes();
   const MatrixXd M = MatrixXd::Identity(2, 2);
-  SparseKkt twice = ordered(structure, {0, 1}, VectorXd::Ones(2), G);
-  EXPECT_EQ(twice.factor(M, G), ForwardStatus::kWornSelection);
+  SparseKkt twice = ordered(structure, {0, 1}, VectorXd::Ones(2), filled(G));
+  EXPECT_EQ(twice.factor(filled(M), filled(G)), ForwardStatus::kWornSelection);
   structure.rows.pop_back();
-  SparseKkt once = ordered(structure, {0}, VectorXd::Ones(2), G);
-  EXPECT_EQ(once.factor(M, G), ForwardStatus::kSolved);
-  EXPECT_EQ(once.factor(MatrixXd::Zero(2, 2), G), ForwardStatus::kSingularMass);
+  SparseKkt once = ordered(structure, {0}, VectorXd::Ones(2), filled(G));
+  EXPECT_EQ(once.factor(filled(M), filled(G)), ForwardStatus::kSolved);
+  EXPECT_EQ(once.factor(filled(MatrixXd::Zero(2, 2)), filled(G)), ForwardStatus::kSingularMass);
 }
 
 TEST(SparseKktTest, TheSmallestPivotIsAPureNumber) {
   RandomSource random(4);
   RandomKkt kkt(random, 6, 9, 0.4);
-  SparseKkt plain = ordered(kkt.structure, kkt.rows, VectorXd::Ones(9), kkt.G);
-  plain.factor(kkt.M, kkt.G);
+  SparseKkt plain = ordered(kkt.structure, kkt.rows, VectorXd::Ones(9), filled(kkt.G));
+  plain.factor(filled(kkt.M), filled(kkt.G));
   VectorXd unit = VectorXd::Ones(9);
   unit.head(4).setConstant(1e-3);  // the first coordinates in millimetres
   const RowMatrixXd G = kkt.G * unit.asDiagonal();
-  SparseKkt other = ordered(kkt.structure, kkt.rows, unit.cwiseInverse(), G);
-  other.factor(unit.asDiagonal() * kkt.M * unit.asDiagonal(), G);
+  SparseKkt other = ordered(kkt.structure, kkt.rows, unit.cwiseInverse(), filled(G));
+  other.factor(filled(unit.asDiagonal() * kkt.M * unit.asDiagonal()), filled(G));
   EXPECT_NEAR(other.smallest_pivot() / plain.smallest_pivot(), 1, 1e-10);
 }
 

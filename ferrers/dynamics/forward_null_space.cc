@@ -26,7 +26,10 @@ class NullSpaceSolver final : public ForwardSolver {
         z_(w_),
         lambda_(r_),
         lu_(r_),
-        llt_(w_) {
+        llt_(w_),
+        place_(static_cast<std::size_t>(system.nv)) {
+    for (int k = 0; k < r_; ++k) place_[s_.dependent[k]] = k;
+    for (int k = 0; k < w_; ++k) place_[s_.independent[k]] = r_ + k;
     N_.setZero();
     for (int k = 0; k < w_; ++k) N_(s_.independent[k], k) = 1;
   }
@@ -86,17 +89,27 @@ class NullSpaceSolver final : public ForwardSolver {
  private:
   // X = G_d⁻¹ [G_i, gamma], with P G_d = L U; rows are permuted as they are gathered.
   void solve_dependent(const ConstraintKinematics& c) {
-    for (int i = 0; i < r_; ++i) {
-      for (int k = 0; k < r_; ++k) G_d_(i, k) = c.G(s_.rows[i], s_.dependent[k]);
-    }
+    G_d_.setZero();
+    for_each_entry(c.G, [&](int i, int k, double value) {
+      if (k < r_) G_d_(i, k) = value;
+    });
     lu_.compute(G_d_);
     const auto& place = lu_.permutationP().indices();
-    for (int i = 0; i < r_; ++i) {
-      for (int k = 0; k < w_; ++k) X_(place[i], k) = c.G(s_.rows[i], s_.independent[k]);
-      X_(place[i], w_) = c.gamma[s_.rows[i]];
-    }
+    X_.setZero();
+    for_each_entry(c.G, [&](int i, int k, double value) {
+      if (k >= r_) X_(place[i], k - r_) = value;
+    });
+    for (int i = 0; i < r_; ++i) X_(place[i], w_) = c.gamma[s_.rows[i]];
     lu_.matrixLU().triangularView<Eigen::UnitLower>().solveInPlace(X_);
     lu_.matrixLU().triangularView<Eigen::Upper>().solveInPlace(X_);
+  }
+
+  // Of the chosen rows: `visit(row, coordinate, value)` with the coordinates' places, the dependent ones first.
+  template <class Visit>
+  void for_each_entry(const PatternMatrix& G, Visit visit) const {
+    for (int i = 0; i < r_; ++i) {
+      for (PatternMatrix::InnerIterator it(G, s_.rows[i]); it; ++it) visit(i, place_[it.col()], it.value());
+    }
   }
 
   // Whether some motion has no mass: what is left is rounding of its own mass, or of that with what follows it.
@@ -118,13 +131,14 @@ class NullSpaceSolver final : public ForwardSolver {
   }
 
   Selection s_;
-  const MatrixXd* M_ = nullptr;  // of the equations solved last
+  const PatternMatrix* M_ = nullptr;  // of the equations solved last
   int r_, w_;
   MatrixXd G_d_, X_;
   MatrixXd N_, M_N_, reduced_;
   VectorXd p_, residual_, z_, lambda_;
   Eigen::PartialPivLU<MatrixXd> lu_;
   Eigen::LLT<MatrixXd> llt_;
+  std::vector<int> place_;  // of each coordinate in the selection, the dependent ones first
 };
 
 }  // namespace

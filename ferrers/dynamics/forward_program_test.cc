@@ -6,15 +6,13 @@
 
 #include "ferrers/redundancy/selection.h"
 #include "ferrers/testing/engine_probe.h"
+#include "ferrers/testing/needs_machine_code.h"
 #include "ferrers/testing/random_mechanism.h"
 #include "ferrers/testing/zoo.h"
 #include "ferrers/testing/zoo_large.h"
 
 namespace ferrers::witness {
 namespace {
-
-#define NEEDS_MACHINE_CODE() \
-  if (!has_machine_code()) GTEST_SKIP() << "no machine code on this processor"
 
 // In the order that suits the last equations.
 SparseKkt chosen_order(const EngineProbe& engine) {
@@ -128,7 +126,7 @@ TEST(ForwardProgramTest, IsFoundAgainByTheModelButNotByItsCopy) {
   engine.forward(engine.start(), Formulation::kSparse);
   const SparseKkt kkt = chosen_order(engine);
   const auto found = [&](const DynamicsModel& model) {
-    return (*model.programs).find_or_make(model, kkt, ForwardProgram::Extent::kClosure);
+    return model.programs->find_or_make(model, kkt, ForwardProgram::Extent::kClosure);
   };
   const auto first = found(*engine.dynamics);
   EXPECT_EQ(found(*engine.dynamics), first);

@@ -12,7 +12,7 @@ class SparseSolver final : public ForwardSolver {
   SparseSolver(const System& system, const Selection& selection)
       : rows_(selection.rows),
         m_(system.m),
-        column_scale_(make_scaling(system).columns),
+        column_scale_(system.scaling.columns),
         structure_(make_kkt_structure(system, selection.rows)) {}
 
   void solve(const Equations& eq, ForwardResult& out) override {

@@ -81,7 +81,7 @@ void compute_slip_wrenches(const BoundFriction& friction, const PositionKinemati
 
 FrictionSolver::FrictionSolver(std::shared_ptr<const DynamicsModel> model, const DistributionOptions& options)
     : model_(std::move(model)),
-      scaling_(make_scaling(*model_->system)),
+      scaling_(model_->system->scaling),
       rows_(make_all_rows(*model_->system, scaling_)),
       springs_(make_joint_springs(*model_->system, options.by, scaling_.length_m)),
       undetermined_(model_->frictions.size(), false),

@@ -97,7 +97,7 @@ HoldingResult solve_holding_efforts(const DynamicsModel& model, const State& pos
     out.message = "not supported: " + model.unsupported.front();
     return out;
   }
-  const Scaling scaling = make_scaling(system);
+  const Scaling& scaling = system.scaling;
   Equations eq = make_equations(model);
   compute_kinematics(model, out.state, eq);
   RankDecision constraints;

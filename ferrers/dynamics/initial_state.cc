@@ -1,63 +1,103 @@
 #include "ferrers/dynamics/initial_state.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 
+#include "ferrers/dynamics/forward_kkt.h"
 #include "ferrers/redundancy/rate_conflict.h"
 #include "ferrers/redundancy/selection.h"
 
 namespace ferrers {
 namespace {
 
-// The velocities that `initial` gives, as rows: D v = d.
-struct VelocityTargets {
-  RowMatrixXd D;
-  VectorXd d;
+// The velocities that `initial` gives: rows after those of the constraints, A v = b.
+struct VelocityRows {
+  PatternMatrix A;
+  VectorXd b;
+  std::vector<std::vector<int>> columns;  // per given velocity
 };
 
-VelocityTargets read_targets(const DynamicsModel& model, const State& state, const Equations& eq,
-                             const Scaling& scaling) {
-  const System& system = *model.system;
-  std::vector<std::pair<JointCoordinate, double>> given;
-  for (const InitialValue& initial : system.model->initial()) {
+struct GivenVelocity {
+  JointCoordinate coordinate;
+  double value;
+};
+
+std::vector<GivenVelocity> given_velocities(const Model& model) {
+  std::vector<GivenVelocity> given;
+  for (const InitialValue& initial : model.initial()) {
     for (std::size_t i = 0; i < initial.velocity.size(); ++i) {
       const int index = initial.whole_joint ? static_cast<int>(i) : initial.coordinate.index;
-      given.emplace_back(JointCoordinate{initial.coordinate.joint, index}, initial.velocity[i]);
+      given.push_back({{initial.coordinate.joint, index}, initial.velocity[i]});
     }
   }
-  VelocityTargets targets{RowMatrixXd::Zero(static_cast<long>(given.size()), system.nv),
-                          VectorXd::Zero(static_cast<long>(given.size()))};
-  for (std::size_t i = 0; i < given.size(); ++i) {
-    const long row = static_cast<long>(i);
-    const auto [coordinate, value] = given[i];
-    const CoordinateAccess access = system.access(coordinate);
-    const JointTypeInfo& type = joint_type_info(system.model->joint(coordinate.joint).type);
-    if (access.in_tree) {
-      targets.D(row, access.v) = 1;
-    } else if (type.coordinate_jets) {
-      add_coordinate_row(system, access, eq.pos, measure_coordinate(system, access, state, eq.pos, eq.vel), 1,
-                         targets.D.row(row));
-    } else {  // ω or v of a spherical or free joint that closes a loop
-      const FramePair& frames = system.cuts[access.cut].frames;
-      const RelativeMotion m = compute_relative_motion(frames, eq.pos, eq.vel);
-      Wrench W = Wrench::Zero();
-      W.segment<3>(coordinate.index < 3 ? 0 : 3) = m.R_F.col(coordinate.index % 3);
-      add_jet_row(system, frames, eq.pos, W, 1, targets.D.row(row));
-    }
-    const double scale = type.coordinates[coordinate.index].is_angular() ? scaling.length_m : 1.0;
-    targets.D.row(row) *= scale;
-    targets.d[row] = value * scale;
-  }
-  return targets;
+  return given;
 }
 
-// Cholesky factor of the mass matrix, or of a unit metric where it is singular (massless bodies).
-Eigen::LLT<MatrixXd> make_metric(const MatrixXd& M, const Scaling& scaling) {
-  Eigen::LLT<MatrixXd> llt(M);
-  if (llt.info() == Eigen::Success) return llt;
-  const VectorXd unit = scaling.columns.cwiseInverse().cwiseAbs2();
-  const double mass = M.size() > 0 ? std::max(1e-3, (M.diagonal().cwiseQuotient(unit)).maxCoeff()) : 1.0;
-  return Eigen::LLT<MatrixXd>(M + 1e-6 * mass * MatrixXd(unit.asDiagonal()));
+std::vector<int> columns_of(const System& system, const CoordinateAccess& access) {
+  std::vector<int> columns;
+  if (access.in_tree) return {access.v};
+  for (const FramePair::PathEntry& entry : system.cuts[access.cut].frames.path) {
+    const Node& node = system.nodes[entry.node];
+    for (int k = node.v; k < node.v + node.nv; ++k) columns.push_back(k);
+  }
+  std::sort(columns.begin(), columns.end());
+  return columns;
+}
+
+void add_velocity_row(const System& system, const GivenVelocity& given, const State& state, const Equations& eq,
+                      double scale, Eigen::RowVectorXd& row) {
+  const CoordinateAccess access = system.access(given.coordinate);
+  if (access.in_tree) {
+    row[access.v] += scale;
+  } else if (joint_type_info(system.model->joint(given.coordinate.joint).type).coordinate_jets) {
+    add_coordinate_row(system, access, eq.pos, measure_coordinate(system, access, state, eq.pos, eq.vel), scale, row);
+  } else {  // ω or v of a spherical or free joint that closes a loop
+    const FramePair& frames = system.cuts[access.cut].frames;
+    const RelativeMotion m = compute_relative_motion(frames, eq.pos, eq.vel);
+    Wrench W = Wrench::Zero();
+    W.segment<3>(given.coordinate.index < 3 ? 0 : 3) = m.R_F.col(given.coordinate.index % 3);
+    add_jet_row(system, frames, eq.pos, W, scale, row);
+  }
+}
+
+// The constraints' rows as they are; those of given velocities in m/s, angular ones times L.
+VelocityRows make_velocity_rows(const System& system, const Scaling& scaling, const std::vector<GivenVelocity>& given,
+                                const State& state, const Equations& eq) {
+  VelocityRows out;
+  for (const GivenVelocity& one : given) out.columns.push_back(columns_of(system, system.access(one.coordinate)));
+  ConstraintKinematics rows = make_constraint_kinematics(system, out.columns);
+  const PatternMatrix& G = eq.constraints.G;
+  std::copy_n(G.valuePtr(), G.nonZeros(), rows.G.valuePtr());
+  out.b = VectorXd::Zero(rows.G.rows());
+  out.b.head(system.m) = eq.constraints.nu.head(system.m);
+  for (std::size_t i = 0; i < given.size(); ++i) {
+    const JointTypeInfo& type = joint_type_info(system.model->joint(given[i].coordinate.joint).type);
+    const double scale = type.coordinates[given[i].coordinate.index].is_angular() ? scaling.length_m : 1.0;
+    add_velocity_row(system, given[i], state, eq, scale, rows.whole_row);
+    rows.G.take_row(system.m + static_cast<int>(i), rows.whole_row);
+    out.b[system.m + static_cast<long>(i)] = given[i].value * scale;
+  }
+  out.A = std::move(rows.G);
+  return out;
+}
+
+// min ½ vᵀ M v with A_r v = b_r; in a unit metric where the masses leave motions open.
+VectorXd solve_slowest(const System& system, const Scaling& scaling, const std::vector<int>& rows,
+                       const VelocityRows& wanted, PatternMatrix M) {
+  KktStructure structure = make_kkt_structure(system, rows);
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    if (rows[k] >= system.m) structure.rows[k] = wanted.columns[static_cast<std::size_t>(rows[k] - system.m)];
+  }
+  take_values(rows, wanted.A, structure);
+  SparseKkt kkt(structure, rows, scaling.columns);
+  if (kkt.factor(M, wanted.A) != ForwardStatus::kSolved) {
+    double mass = 1e-3;
+    for (int v = 0; v < system.nv; ++v) mass = std::max(mass, M(v, v) * scaling.columns[v] * scaling.columns[v]);
+    for (int v = 0; v < system.nv; ++v) M.entry(v, v) += 1e-6 * mass / (scaling.columns[v] * scaling.columns[v]);
+    kkt.factor(M, wanted.A);
+  }
+  VectorXd v(system.nv), lambda(wanted.b.size());
+  kkt.solve(VectorXd::Zero(system.nv), wanted.b, v, lambda);
+  return v;
 }
 
 }  // namespace
@@ -72,32 +112,29 @@ InitialStateResult make_initial_state(const DynamicsModel& model, const Assembly
     result.status = InitialStateStatus::kNotAssembled;
     return result;
   }
-  const Scaling scaling = make_scaling(system);
+  const Scaling& scaling = system.scaling;
   Equations eq = make_equations(model);
   compute_kinematics(model, result.state, eq);
   compute_mass_matrix(model, eq);
-  const VelocityTargets targets = read_targets(model, result.state, eq, scaling);
+  const std::vector<GivenVelocity> given = given_velocities(*system.model);
   if (const std::optional<RateConflict> conflict = find_rate_conflict(system, scaling, eq.constraints)) {
     result.status = InitialStateStatus::kInconsistentVelocities;
     result.residual = conflict->residual;
     result.message = rate_conflict_message(*conflict);
     return result;
   }
-  const VectorXd nu = scaling.rows.cwiseProduct(eq.constraints.nu.head(system.m));
-  if (targets.d.isZero(0) && nu.isZero(0)) return result;  // at rest
+  const VelocityRows wanted = make_velocity_rows(system, scaling, given, result.state, eq);
+  if (wanted.b.isZero(0)) return result;  // at rest
 
-  RowMatrixXd A(system.m + targets.D.rows(), system.nv);
-  A << scaling.rows.asDiagonal() * eq.constraints.G, targets.D;
-  VectorXd b = VectorXd::Zero(A.rows());
-  b.head(system.m) = nu;
-  b.tail(targets.d.size()) = targets.d;
   const Selection closures = select_independent(system, scaling, eq.constraints);
-  const VectorXd as_they_are = VectorXd::Ones(targets.d.size());  // `read_targets` scaled them
-  const std::vector<int> rows = extend_selection(closures, A, system.m, as_they_are, scaling.columns).selection.rows;
-  const MatrixXd A_r = A(rows, Eigen::all);
-  const MatrixXd X = make_metric(eq.M, scaling).solve(A_r.transpose());
-  result.state.v = X * (A_r * X).ldlt().solve(VectorXd(b(rows)));
-  result.residual = (A * result.state.v - b).cwiseAbs().maxCoeff();
+  VectorXd row_scale = VectorXd::Ones(wanted.b.size());
+  row_scale.head(system.m) = scaling.rows;
+  const VectorXd of_given = row_scale.tail(static_cast<long>(given.size()));
+  const std::vector<int> rows =
+      extend_selection(closures, wanted.A, system.m, of_given, scaling.columns).selection.rows;
+  result.state.v = solve_slowest(system, scaling, rows, wanted, eq.M);
+  const VectorXd b = row_scale.cwiseProduct(wanted.b);
+  result.residual = (row_scale.cwiseProduct(wanted.A * result.state.v) - b).cwiseAbs().maxCoeff();
   const double size = std::max(b.cwiseAbs().maxCoeff(), 1e-300);
   if (result.residual > 1e-8 * size) {
     result.status = InitialStateStatus::kInconsistentVelocities;

@@ -84,7 +84,7 @@ TEST(InitialStateTest, VelocitiesNotGivenAreTheLeastInTheMassMetric) {
       VectorXd n = VectorXd::Unit(engine.system->nv, i);
       if (!s.rows.empty()) {
         const MatrixXd G_d = engine.eq.constraints.G(s.rows, s.dependent);
-        const VectorXd rest = engine.eq.constraints.G(s.rows, Eigen::all) * n;
+        const VectorXd rest = engine.eq.constraints.G.dense_rows(s.rows) * n;
         n(s.dependent) = -G_d.partialPivLu().solve(rest);
       }
       n -= n[given.v] * result.state.v;  // leaves the given velocity alone

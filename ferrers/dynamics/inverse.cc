@@ -12,6 +12,7 @@
 #include "ferrers/dynamics/least_effort.h"
 #include "ferrers/math/maximum.h"
 #include "ferrers/redundancy/rank_notice.h"
+#include "ferrers/redundancy/selection.h"
 
 namespace ferrers {
 namespace {
@@ -61,7 +62,7 @@ struct PrescribedMotion::Impl {
   Impl(std::shared_ptr<const DynamicsModel> m, State start, const DistributionOptions& options)
       : model(std::move(m)),
         system(*model->system),
-        scaling(make_scaling(system)),
+        scaling(system.scaling),
         eq(make_equations(*model)),
         friction(model, options) {
     for (int i = 0; i < model->nu(); ++i) {
@@ -118,9 +119,8 @@ struct PrescribedMotion::Impl {
     MatrixXd N = MatrixXd::Zero(system.nv, w);
     for (long k = 0; k < w; ++k) N(selection.independent[k], k) = 1;
     if (!selection.rows.empty()) {
-      const MatrixXd G_d = eq.constraints.G(selection.rows, selection.dependent);
       const MatrixXd G_i = eq.constraints.G(selection.rows, selection.independent);
-      N(selection.dependent, Eigen::all) = -G_d.partialPivLu().solve(G_i);
+      N(selection.dependent, Eigen::all) = -DependentBlock(selection, eq.constraints.G).solve(G_i);
     }
     const Eigen::HouseholderQR<MatrixXd> qr(scaling.columns.cwiseInverse().asDiagonal() * N);
     return qr.householderQ() * MatrixXd::Identity(system.nv, w);
@@ -140,7 +140,7 @@ struct PrescribedMotion::Impl {
   void factor() {
     const int r = kept_rows();
     A.resize(r + static_cast<long>(chosen.size()), system.nv);
-    for (int i = 0; i < r; ++i) A.row(i) = eq.constraints.G.row(selection.rows[i]);
+    A.topRows(r) = eq.constraints.G.dense_rows(selection.rows);
     A.bottomRows(static_cast<long>(chosen.size())) = D(chosen, Eigen::all);
     lu.compute(A);
   }
@@ -194,7 +194,7 @@ struct PrescribedMotion::Impl {
     VectorXd scales(rhs.size());
     scales << scaling.rows(selection.rows), drive_scale;
     MatrixXd all(rhs.size(), system.nv);
-    all << eq.constraints.G(selection.rows, Eigen::all), D;
+    all << eq.constraints.G.dense_rows(selection.rows), D;
     LeastNormResult result =
         solve_least_norm(scales.asDiagonal() * all * scaling.columns.asDiagonal(), scales.cwiseProduct(rhs));
     result.x = scaling.columns.cwiseProduct(result.x);
@@ -400,10 +400,9 @@ struct PrescribedMotion::Impl {
   void judge_start() {
     const int r = kept_rows();
     MatrixXd all(r + D.rows(), system.nv);
-    for (int i = 0; i < r; ++i) {
-      const int row = selection.rows[i];
-      all.row(i) = scaling.rows[row] * eq.constraints.G.row(row) * scaling.columns.asDiagonal();
-    }
+    const VectorXd row_scales = scaling.rows(selection.rows);
+    all.topRows(r) =
+        row_scales.asDiagonal() * eq.constraints.G.dense_rows(selection.rows) * scaling.columns.asDiagonal();
     all.bottomRows(D.rows()) = scaled_drive_rows();
     const RankAnalysis analysis = analyze_rank(all, 1.0);
     if (analysis.decision.rank == system.nv) return;
@@ -418,7 +417,7 @@ struct PrescribedMotion::Impl {
   LeastEffort make_least_effort() const {
     const auto k = static_cast<long>(acting.size());
     LeastEffort::Rows rows;
-    rows.G = eq.constraints.G(selection.rows, Eigen::all);
+    rows.G = eq.constraints.G.dense_rows(selection.rows);
     rows.G_scale = scaling.rows(selection.rows);
     rows.E = eq.B_transposed(acting, Eigen::all);
     rows.E_scale = rows.weights = VectorXd::Ones(k);

@@ -106,9 +106,9 @@ bool needs_lagrangian_inputs(const DynamicsModel& model) {
   return !model.lagrangian.scalars.empty() && (model.lagrangian.has_forces || !is_computed_along(model));
 }
 
-void clear_lagrangian_mass(const DynamicsModel& model, MatrixXd& M) {
+void clear_lagrangian_mass(const DynamicsModel& model, PatternMatrix& M) {
   if (is_alone(model)) return;
-  for (const auto& [a, b] : model.lagrangian.mass_pattern) M(a, b) = 0;
+  for (const auto& [a, b] : model.lagrangian.mass_pattern) M.entry(a, b) = 0;
 }
 
 void add_lagrangian_inertia(const DynamicsModel& model, Equations& eq, bool with_bias) {
@@ -121,7 +121,7 @@ void add_lagrangian_inertia(const DynamicsModel& model, Equations& eq, bool with
   if (is_alone(model)) {
     for (std::size_t e = 0; e < bound.mass.size(); ++e) {
       const int a = bound.scalars[bound.mass[e].first].v, b = bound.scalars[bound.mass[e].second].v;
-      eq.M(a, b) = eq.M(b, a) = inertia[e];
+      eq.M.entry(a, b) = eq.M.entry(b, a) = inertia[e];
     }
     for (int k = 0; k < count && with_bias; ++k) eq.h[bound.scalars[k].v] = bias[k];
     return;
@@ -130,8 +130,8 @@ void add_lagrangian_inertia(const DynamicsModel& model, Equations& eq, bool with
     for (std::size_t e = 0; e < bound.mass.size(); ++e) {
       const auto [k, l] = bound.mass[e];
       const int a = bound.scalars[k].v, b = bound.scalars[l].v;
-      eq.M(a, b) += inertia[e];
-      if (a != b) eq.M(b, a) += inertia[e];
+      eq.M.entry(a, b) += inertia[e];
+      if (a != b) eq.M.entry(b, a) += inertia[e];
     }
     for (int k = 0; k < count && with_bias; ++k) eq.h[bound.scalars[k].v] += bias[k];
     return;
@@ -151,8 +151,8 @@ void add_lagrangian_inertia(const DynamicsModel& model, Equations& eq, bool with
     for_columns(system, bound.scalars[k], [&, k = k, l = l](int a) {
       for_columns(system, bound.scalars[l], [&](int b) {
         const double value = mass * entry(bound, eq.lagrangian_rows, k, a) * entry(bound, eq.lagrangian_rows, l, b);
-        eq.M(a, b) += value;
-        if (k != l) eq.M(b, a) += value;
+        eq.M.entry(a, b) += value;
+        if (k != l) eq.M.entry(b, a) += value;
       });
     });
     if (!with_bias) continue;

@@ -24,7 +24,7 @@ void read_lagrangian_inputs(const DynamicsModel& model, const State& state, cons
 
 /// Adds to M and, with `with_bias`, to h. `clear_lagrangian_mass` before the sweep over the bodies, which writes only
 /// its own entries of M.
-void clear_lagrangian_mass(const DynamicsModel& model, MatrixXd& M);
+void clear_lagrangian_mass(const DynamicsModel& model, PatternMatrix& M);
 void add_lagrangian_inertia(const DynamicsModel& model, Equations& eq, bool with_bias);
 
 /// Adds generalized forces: along tree coordinates to `efforts` (nv), others to `on_nodes`.

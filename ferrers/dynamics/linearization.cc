@@ -115,7 +115,7 @@ void add_matrices(const DynamicsModel& model, const ReducedMotion& motion, const
 
 Linearization linearize(const DynamicsModel& model, const State& state) {
   const System& system = *model.system;
-  const Scaling scaling = make_scaling(system);
+  const Scaling& scaling = system.scaling;
   Linearization out;
   out.state = state;
   for (const int i : acting_drives(model)) out.inputs.push_back(model.drives[static_cast<std::size_t>(i)].name);

@@ -19,9 +19,10 @@ TEST(NamedCoordinatesTest, AllJointsAreMeasuredThoseThatCloseLoopsToo) {
   const int driver = probe.selection.independent.at(0);
   VectorXd v = VectorXd::Zero(probe.system->nv);
   v[driver] = 1;
-  v(probe.selection.dependent) = -VectorXd(probe.eq.constraints.G(probe.selection.rows, probe.selection.dependent)
-                                               .partialPivLu()
-                                               .solve(VectorXd(probe.eq.constraints.G(probe.selection.rows, driver))));
+  v(probe.selection.dependent) =
+      -VectorXd(probe.eq.constraints.G(probe.selection.rows, probe.selection.dependent)
+                    .partialPivLu()
+                    .solve(VectorXd(probe.eq.constraints.G(probe.selection.rows, {driver}))));
   std::map<std::string, double> rates;
   for (const NamedCoordinate& one : measure_rates(*probe.system, start, v)) rates[one.name] = one.value;
   EXPECT_EQ(rates.size(), 7u);

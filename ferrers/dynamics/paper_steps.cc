@@ -41,7 +41,7 @@ PositionSolution solve_dependent_positions(const DynamicsModel& model, const Sel
                                            int max_iterations) {
   const System& system = *model.system;
   require_selection(s, system.nv, system.m);
-  const Scaling scaling = make_scaling(system);
+  const Scaling& scaling = system.scaling;
   const double enough = closed_tolerance(scaling);
   PositionSolution out;
   Instant at(system);
@@ -93,7 +93,7 @@ MotionForces solve_multipliers_and_efforts(const Equations& eq, const Selection&
   require_size(vdot.size(), n, "solve_multipliers_and_efforts: vdot");
   require_size(nu, n - r, "solve_multipliers_and_efforts: drives, as many as motions");
   MatrixXd unknowns(n, n);
-  unknowns.leftCols(r) = eq.constraints.G(s.rows, Eigen::all).transpose();
+  unknowns.leftCols(r) = eq.constraints.G.dense_rows(s.rows).transpose();
   unknowns.rightCols(nu) = eq.B_transposed.transpose();
   const VectorXd found = unknowns.partialPivLu().solve(eq.M * vdot + eq.h - eq.tau);
   MotionForces out{VectorXd::Zero(eq.constraints.G.rows()), found.tail(nu)};

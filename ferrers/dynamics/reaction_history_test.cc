@@ -177,7 +177,7 @@ VectorXd completed(const EngineProbe& engine, const Selection& s, const VectorXd
   out(s.independent) = v(s.independent);
   if (!s.rows.empty()) {
     const MatrixXd G_d = engine.eq.constraints.G(s.rows, s.dependent);
-    out(s.dependent) = -G_d.partialPivLu().solve(engine.eq.constraints.G(s.rows, Eigen::all) * out);
+    out(s.dependent) = -G_d.partialPivLu().solve(engine.eq.constraints.G.dense_rows(s.rows) * out);
   }
   return out;
 }

@@ -1,5 +1,7 @@
 #include "ferrers/dynamics/reactions.h"
 
+#include <algorithm>
+
 #include "ferrers/core/checks.h"
 #include "ferrers/dynamics/motion_loads.h"
 
@@ -8,7 +10,8 @@ namespace ferrers {
 /// Joints, self-stresses and multipliers of one state.
 struct ReactionSolver::Instant {
   JointWrenches joints;
-  MatrixXd Z;       // rows × redundant
+  MatrixXd Z;  // rows × redundant; none where they are in `Z_by_row`
+  Eigen::SparseMatrix<double, Eigen::RowMajor> Z_by_row;
   MatrixXd shared;  // rows × idle efforts of the drives: what they load the joints with
 };
 
@@ -20,6 +23,27 @@ struct ReactionSolver::Distributed {
 };
 
 namespace {
+
+// More closure rows than these, and their self-stresses are kept with the zeros left out.
+constexpr int kLargestDenseStresses = 256;
+
+// Some rows of the self-stresses, without those that are zero in all of them.
+MatrixXd dense_rows(const Eigen::SparseMatrix<double, Eigen::RowMajor>& Z, int first, int count) {
+  using Iterator = Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator;
+  std::vector<long> columns;
+  for (int i = first; i < first + count; ++i) {
+    for (Iterator it(Z, i); it; ++it) columns.push_back(it.col());
+  }
+  std::sort(columns.begin(), columns.end());
+  columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
+  MatrixXd out = MatrixXd::Zero(count, static_cast<long>(columns.size()));
+  for (int i = 0; i < count; ++i) {
+    for (Iterator it(Z, first + i); it; ++it) {
+      out(i, std::lower_bound(columns.begin(), columns.end(), it.col()) - columns.begin()) = it.value();
+    }
+  }
+  return out;
+}
 
 // The row that gives component k of a joint's reaction, at the joint's point, from its multipliers.
 Eigen::RowVectorXd component_row(const Joint& joint, const JointFrameWrenches& frame, ReactionAxes axes, int k) {
@@ -41,7 +65,7 @@ ReactionNames name_reactions(const Model& model) {
 ReactionSolver::ReactionSolver(std::shared_ptr<const DynamicsModel> model, const DistributionOptions& options)
     : model_(std::move(model)),
       options_(options),
-      scaling_(make_scaling(*model_->system)),
+      scaling_(model_->system->scaling),
       rows_(make_all_rows(*model_->system, scaling_)),
       springs_(make_joint_springs(*model_->system, options.by, scaling_.length_m)) {}
 
@@ -56,8 +80,12 @@ std::vector<JointReaction> ReactionSolver::solve(const State& state, const Equat
   at.joints = compute_joint_frame_wrenches(system, state, eq.pos);
   const MatrixXd all = distribute_to_joints(system, rows_, scaling_, eq.pos, at.joints,
                                             make_motion_loads(*model_, state, eq, vdot, lambda, u));
-  at.Z = complete_self_stresses(system, scaling_, rows_, eq.pos, at.joints,
-                                self_stresses_of_selection(system, selection, eq.constraints.G));
+  if (system.m > kLargestDenseStresses && !springs_.any) {
+    at.Z_by_row = find_self_stresses(system, scaling_, rows_, eq.pos, at.joints, eq.constraints);
+  } else {
+    at.Z = complete_self_stresses(system, scaling_, rows_, eq.pos, at.joints,
+                                  self_stresses_of_selection(system, selection, eq.constraints.G));
+  }
   if (eq.idle_efforts.cols() > 0) {
     const auto k = eq.idle_efforts.cols();
     const LoadChanges idle{MatrixXd::Zero(system.nv, k), eq.idle_lambda, eq.idle_efforts,
@@ -95,20 +123,23 @@ std::vector<JointReaction> ReactionSolver::make_reactions(const Instant& at, con
                                                           ReactionAxes axes) const {
   const Model& model = *model_->system->model;
   std::vector<JointReaction> reactions(model.coordinates_begin());
+  const auto stresses_of = [&](int first, int count) -> MatrixXd {
+    return at.Z_by_row.size() > 0 ? dense_rows(at.Z_by_row, first, count) : at.Z.middleRows(first, count);
+  };
   for (std::size_t j = 0; j < reactions.size(); ++j) {
     const Joint& joint = model.joints()[j];
     const int first = rows_.first[j], count = rows_.count[j];
     const bool distributed = solution.method && solution.valid[j];
-    const MatrixXd& open = distributed ? solution.method->remaining : at.Z;
+    const MatrixXd stresses = stresses_of(first, count);
+    const MatrixXd open = distributed ? MatrixXd(solution.method->remaining.middleRows(first, count)) : stresses;
     // What changes with the sharing of the efforts is fixed by it, as springs fix self-stresses.
-    MatrixXd all(count, at.Z.cols() + at.shared.cols());
-    all.leftCols(at.Z.cols()) = at.Z.middleRows(first, count);
+    MatrixXd all(count, stresses.cols() + at.shared.cols());
+    all.leftCols(stresses.cols()) = stresses;
     if (at.shared.cols() > 0) all.rightCols(at.shared.cols()) = at.shared.middleRows(first, count);
     for (int k = 0; k < 6; ++k) {
       const Eigen::RowVectorXd row = component_row(joint, at.joints[j], axes, k);
       reactions[j].value[k] = row.dot(solution.lambda.segment(first, count));
-      reactions[j].status[k] =
-          judge_component(row, component_unit(k, scaling_.length_m), all, open.middleRows(first, count));
+      reactions[j].status[k] = judge_component(row, component_unit(k, scaling_.length_m), all, open);
     }
     reactions[j].low = reactions[j].high = reactions[j].value;
   }
@@ -119,10 +150,11 @@ std::vector<JointReaction> ReactionSolver::make_reactions(const Instant& at, con
     one.components = 1;
     one.value[0] = one.low[0] = one.high[0] = solution.lambda[row];
     const bool distributed = solution.method && solution.valid[j];
-    MatrixXd all(1, at.Z.cols() + at.shared.cols());
-    all.leftCols(at.Z.cols()) = at.Z.row(row);
+    const MatrixXd stresses = stresses_of(row, 1);
+    MatrixXd all(1, stresses.cols() + at.shared.cols());
+    all.leftCols(stresses.cols()) = stresses;
     if (at.shared.cols() > 0) all.rightCols(at.shared.cols()) = at.shared.row(row);
-    const MatrixXd open = distributed ? solution.method->remaining.row(row) : at.Z.row(row);
+    const MatrixXd open = distributed ? MatrixXd(solution.method->remaining.row(row)) : stresses;
     one.status[0] = judge_component(Eigen::RowVectorXd::Ones(1), rows_.scale[row], all, open);
     reactions.push_back(one);
   }

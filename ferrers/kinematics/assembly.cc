@@ -215,7 +215,7 @@ double close_loops(const System& system, const Scaling& scaling, const std::vect
 
 AssemblyResult assemble(const System& system, const AssemblyOptions& options) {
   AssemblyResult result;
-  const Scaling scaling = make_scaling(system);
+  const Scaling& scaling = system.scaling;
   InitialValues initial = options.use_initial ? read_initial_values(system) : InitialValues();
   result.state = make_drawn_state(system);
   result.state.t = options.t;

@@ -44,7 +44,7 @@ std::vector<Pose> poses_at(const System& system, const State& state) {
 /// Closed by the witness' own rows, every joint the right way round.
 void expect_closed(const System& system, const AssemblyResult& result, const std::string& what = "") {
   EXPECT_EQ(result.status, AssemblyStatus::kAssembled) << what << " " << result.message;
-  EXPECT_LE(result.residual, closed_tolerance(make_scaling(system))) << what;
+  EXPECT_LE(result.residual, closed_tolerance(system.scaling)) << what;
   EXPECT_TRUE(result.message.empty());
   EXPECT_TRUE(result.open_joints.empty());
   EXPECT_LT(witness::absolute_residual(*system.model, poses_at(system, result.state)).norm(), 1e-9) << what;
@@ -139,7 +139,7 @@ TEST(AssemblyTest, RandomMechanismsCloseFromDisturbedCoordinates) {
     for (double& x : step) x = random.between(-0.1, 0.1);
     State state = make_drawn_state(*system);
     displace(*system, step, state.q);
-    const Scaling scaling = make_scaling(*system);
+    const Scaling& scaling = system->scaling;
     int iterations = 0;
     const double residual = close_loops(*system, scaling, {}, 200, state, iterations);
     EXPECT_LE(residual, closed_tolerance(scaling)) << "seed " << seed << ": " << mechanism.description;
@@ -156,7 +156,7 @@ TEST(AssemblyTest, HeldCoordinatesStay) {
   ASSERT_TRUE(crank.in_tree);
   state.q[crank.q] = 0.3;
   int iterations = 0;
-  const Scaling scaling = make_scaling(*system);
+  const Scaling& scaling = system->scaling;
   EXPECT_LE(close_loops(*system, scaling, {crank.v}, 200, state, iterations), closed_tolerance(scaling));
   EXPECT_EQ(state.q[crank.q], 0.3);
   EXPECT_GT(iterations, 0);
@@ -262,7 +262,7 @@ TEST(AssemblyTest, ASideThatIsAMicrometreTooLongLeavesBennettsLinkageOpen) {
   ASSERT_FALSE(result.open_joints.empty());
   EXPECT_FALSE(result.message.empty());
   // No displacement closes it further: the scaled residual is orthogonal to the columns of the scaled Jacobian.
-  const Scaling scaling = make_scaling(*system);
+  const Scaling& scaling = system->scaling;
   PositionKinematics pos = make_position_kinematics(*system);
   compute_positions(*system, result.state.q, pos);
   ConstraintKinematics c = make_constraint_kinematics(*system);
@@ -274,7 +274,7 @@ TEST(AssemblyTest, ASideThatIsAMicrometreTooLongLeavesBennettsLinkageOpen) {
 
 TEST(AssemblyTest, NoPoseClosesTheWrongBennettLinkage) {
   const auto system = built(bennett_links(1e-6));
-  const Scaling scaling = make_scaling(*system);
+  const Scaling& scaling = system->scaling;
   const CoordinateAccess crank = system->access({JointId(0), 0});
   ASSERT_TRUE(crank.in_tree);
   State state = make_drawn_state(*system);
@@ -312,7 +312,7 @@ TEST(AssemblyTest, BarsInOneLineAreKickedOutOfIt) {
   const auto system = built(spec);
   State start = make_drawn_state(*system);
   int iterations = 0;
-  const Scaling scaling = make_scaling(*system);
+  const Scaling& scaling = system->scaling;
   EXPECT_NEAR(close_loops(*system, scaling, {}, 200, start, iterations), 0.5, 1e-12);  // without a kick
   const AssemblyResult result = assemble(*system);
   expect_closed(*system, result);
@@ -448,7 +448,7 @@ TEST(AssemblyTest, SolutionsWithReversedAxesAreRefused) {
     EXPECT_TRUE(result.status != AssemblyStatus::kAssembled || upright) << joint_type_info(type).name;
     State flipped = make_drawn_state(*system);
     int iterations = 0;
-    const Scaling scaling = make_scaling(*system);
+    const Scaling& scaling = system->scaling;
     EXPECT_GE(close_loops(*system, scaling, {}, 200, flipped, iterations), scaling.length_m);
   }
 }

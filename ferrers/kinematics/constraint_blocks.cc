@@ -19,12 +19,11 @@ void take_row(Eigen::RowVectorXd& whole, int i, ConstraintBlock& block) {
 ConstraintBlocks make_constraint_blocks(const System& system) {
   ConstraintBlocks out;
   out.phi = VectorXd::Zero(system.m);
+  const std::vector<std::vector<int>> columns = columns_of_rows(system);
   for (const Closure& closure : system.topology->closures) {
     ConstraintBlock block;
     block.row = closure.row;
-    for (const int n : closure.nodes) {
-      for (int k = 0; k < system.nodes[n].nv; ++k) block.columns.push_back(system.nodes[n].v + k);
-    }
+    if (closure.row_count > 0) block.columns = columns[static_cast<std::size_t>(closure.row)];
     block.G = MatrixXd::Zero(closure.row_count, static_cast<long>(block.columns.size()));
     out.blocks.push_back(std::move(block));
   }
@@ -82,8 +81,9 @@ ConstraintBlocks cut_into_blocks(const System& system, const ConstraintKinematic
   ConstraintBlocks out = make_constraint_blocks(system);
   out.phi = constraints.phi;
   for (ConstraintBlock& block : out.blocks) {
-    for (std::size_t k = 0; k < block.columns.size(); ++k) {
-      block.G.col(static_cast<long>(k)) = constraints.G.col(block.columns[k]).segment(block.row, block.G.rows());
+    for (long i = 0; i < block.G.rows(); ++i) {
+      const double* const values = constraints.G.valuePtr() + constraints.G.outerIndexPtr()[block.row + i];
+      for (long k = 0; k < block.G.cols(); ++k) block.G(i, k) = values[k];
     }
   }
   return out;

@@ -1,15 +1,58 @@
 #include "ferrers/kinematics/constraints.h"
 
+#include <algorithm>
+
 #include "ferrers/kinematics/coordinates.h"
 #include "ferrers/kinematics/formula_rows.h"
 
 namespace ferrers {
 
-ConstraintKinematics make_constraint_kinematics(const System& system, int driven) {
-  const int m = system.m + driven;
+namespace {
+
+void add_columns(const System& system, const FramePair& frames, std::vector<int>& columns) {
+  for (const FramePair::PathEntry& entry : frames.path) {
+    const Node& node = system.nodes[entry.node];
+    for (int k = node.v; k < node.v + node.nv; ++k) columns.push_back(k);
+  }
+}
+
+void sort_unique(std::vector<int>& columns) {
+  std::sort(columns.begin(), columns.end());
+  columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
+}
+
+}  // namespace
+
+std::vector<std::vector<int>> columns_of_rows(const System& system) {
+  std::vector<std::vector<int>> out(static_cast<std::size_t>(system.m));
+  for (const CutJoint& cut : system.cuts) {
+    std::vector<int> columns;
+    add_columns(system, cut.frames, columns);
+    sort_unique(columns);
+    for (int i = 0; i < cut.type->row_count(); ++i) out[cut.row + i] = columns;
+  }
+  for (const CouplingRow& coupling : system.couplings) {
+    std::vector<int>& columns = out[coupling.row];
+    for (const CoordinateAccess& access : coupling.scalars) {
+      if (access.in_tree) {
+        columns.push_back(access.v);
+      } else {
+        add_columns(system, system.frames(access), columns);
+      }
+    }
+    sort_unique(columns);
+  }
+  return out;
+}
+
+ConstraintKinematics make_constraint_kinematics(const System& system,
+                                                const std::vector<std::vector<int>>& driven_columns) {
+  std::vector<std::vector<int>> columns = columns_of_rows(system);
+  columns.insert(columns.end(), driven_columns.begin(), driven_columns.end());
   ConstraintKinematics out;
-  out.phi = out.gamma = out.rate = out.nu = VectorXd::Zero(m);
-  out.G = RowMatrixXd::Zero(m, system.nv);
+  out.phi = out.gamma = out.rate = out.nu = VectorXd::Zero(static_cast<long>(columns.size()));
+  out.G = PatternMatrix(columns, system.nv);
+  out.whole_row = Eigen::RowVectorXd::Zero(system.nv);
   for (const FormulaBlock& block : system.formulas) out.formulas.push_back(make_formula_evaluation(block));
   return out;
 }
@@ -71,16 +114,19 @@ void compute_cut_joint(const System& system, const CutJoint& cut, const State& s
     out.rate[row] = rows[i].rate;
     out.gamma[row] = -rows[i].bias;
   }
-  double* const first = out.G.data() + cut.row * out.G.cols();
-  const long stride = out.G.cols();
-  for_each_entry(system, cut, pos, rows, [=](int i, int k, double value) { first[i * stride + k] = value; });
+  double* const values = out.G.valuePtr();
+  const int* const begin = out.G.outerIndexPtr() + cut.row;
+  int in_row = 0;  // the same in all rows of the joint
+  for_each_entry(system, cut, pos, rows, [&](int i, int k, double value) {
+    if (i == 0) in_row = out.G.place(cut.row, k) - begin[0];
+    values[begin[i] + in_row] = value;
+  });
 }
 
 void compute_coupling(const System& system, const CouplingRow& coupling, const State& state,
                       const PositionKinematics& pos, const VelocityKinematics& vel, ConstraintKinematics& out) {
   const int row = coupling.row;
   out.phi[row] = out.rate[row] = out.gamma[row] = 0;
-  for (const CoordinateAccess& access : coupling.scalars) clear_coordinate_row(system, access, out.G.row(row));
   for (std::size_t i = 0; i < coupling.scalars.size(); ++i) {
     const CoordinateAccess& access = coupling.scalars[i];
     const double c = coupling.coefficients[i];
@@ -88,8 +134,9 @@ void compute_coupling(const System& system, const CouplingRow& coupling, const S
     out.phi[row] += c * jet.value;
     out.rate[row] += c * jet.rate;
     out.gamma[row] -= c * jet.bias;
-    add_coordinate_row(system, access, pos, jet, c, out.G.row(row));
+    add_coordinate_row(system, access, pos, jet, c, out.whole_row);
   }
+  out.G.take_row(row, out.whole_row);
 }
 
 }  // namespace

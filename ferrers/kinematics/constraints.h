@@ -2,6 +2,7 @@
 
 #include "ferrers/kinematics/constants.h"
 #include "ferrers/kinematics/motion.h"
+#include "ferrers/math/pattern_matrix.h"
 
 namespace ferrers {
 
@@ -21,18 +22,22 @@ struct FormulaEvaluation {
 /// (dynamics/equations.h). Rows are named (`System::row_names`).
 struct ConstraintKinematics {
   VectorXd phi;                             ///< m: residual, m or rad.
-  RowMatrixXd G;                            ///< m × nv: exact Jacobian, also off the manifold.
+  PatternMatrix G;                          ///< m × nv: exact Jacobian, also off the manifold.
   VectorXd gamma;                           ///< m.
   VectorXd rate;                            ///< m: G v.
   VectorXd nu;                              ///< m.
   std::vector<FormulaEvaluation> formulas;  ///< Work space, per block of relations.
+  Eigen::RowVectorXd whole_row;             ///< Work space, nv; zero between uses.
 };
 
-/// `driven`: room for so many rows after the system's own.
-ConstraintKinematics make_constraint_kinematics(const System& system, int driven = 0);
+/// Per row, the velocity coordinates that it can touch, ascending; the same for all rows of a joint.
+std::vector<std::vector<int>> columns_of_rows(const System& system);
 
-/// Fills phi, G, gamma and rate. Of G only the entries that can differ from zero are written: the others are zero since
-/// `make_constraint_kinematics`. Allocates nothing. Cost: O(Σ rows × length of their loops).
+/// `driven_columns`: those of further rows after the system's own.
+ConstraintKinematics make_constraint_kinematics(const System& system,
+                                                const std::vector<std::vector<int>>& driven_columns = {});
+
+/// Fills phi, G, gamma and rate. Allocates nothing. Cost: O(Σ rows × length of their loops).
 void compute_constraints(const System& system, const State& state, const PositionKinematics& pos,
                          const VelocityKinematics& vel, ConstraintKinematics& out);
 /// Of these the rows of couplings and formulas alone.

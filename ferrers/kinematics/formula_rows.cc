@@ -100,11 +100,6 @@ void add_function_block(System& system, const std::vector<int>& couplings) {
   system.formulas.push_back(std::move(block));
 }
 
-void clear_row(const System& system, const FormulaBlock& block, const FormulaBlock::Row& row,
-               Eigen::Ref<Eigen::RowVectorXd> out) {
-  for (const int k : row.scalars) clear_coordinate_row(system, block.scalars[k], out);
-}
-
 }  // namespace
 
 void add_formula_blocks(System& system) {
@@ -210,15 +205,13 @@ void compute_formula_rows(const System& system, const FormulaBlock& block, const
   evaluate_formulas(system, block, state, pos, vel, work);
   const CoordinateAccess* const scalars = block.scalars.data();
   const double* const rates = work.inputs.data() + block.scalars.size();
-  const long stride = out.G.cols();
   for (const FormulaBlock::Row& row : block.rows) {
     if (row.in_tree) {  // R_k is a unit row, and no two of them are the same
       const double* const result = work.outputs.data() + row.first_output;
       const double* a = result + kGradient;
-      double* const G = out.G.data() + row.row * stride;
       double rate = 0;
       for (const int k : row.scalars) {
-        G[scalars[k].v] = *a;
+        out.G.entry(row.row, scalars[k].v) = *a;
         rate += *a++ * rates[k];
       }
       out.phi[row.row] = result[0];
@@ -232,8 +225,8 @@ void compute_formula_rows(const System& system, const FormulaBlock& block, const
     out.nu[row.row] = -work.outputs[row.first_output + kOffset];
     out.rate[row.row] = jet.rate + out.nu[row.row];
     out.gamma[row.row] = -jet.bias;
-    clear_row(system, block, row, out.G.row(row.row));
-    add_formula_row(system, block, row, pos, work, out.G.row(row.row));
+    add_formula_row(system, block, row, pos, work, out.whole_row);
+    out.G.take_row(row.row, out.whole_row);
   }
 }
 

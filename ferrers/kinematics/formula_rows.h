@@ -34,7 +34,7 @@ Jet formula_jet(const FormulaBlock& block, const FormulaBlock::Row& row, const F
 void add_formula_row(const System& system, const FormulaBlock& block, const FormulaBlock::Row& row,
                      const PositionKinematics& pos, const FormulaEvaluation& at, Eigen::Ref<Eigen::RowVectorXd> out);
 
-/// phi, rate, nu, gamma and G of the block's rows; entries of G that are always zero are not written. `work` is filled.
+/// phi, rate, nu, gamma and G of the block's rows. `work` is filled.
 void compute_formula_rows(const System& system, const FormulaBlock& block, const State& state,
                           const PositionKinematics& pos, const VelocityKinematics& vel, FormulaEvaluation& work,
                           ConstraintKinematics& out);

@@ -1,8 +1,11 @@
 #pragma once
 
-#include "ferrers/kinematics/motion.h"
+#include <Eigen/Core>
 
 namespace ferrers {
+
+class Model;
+struct System;
 
 /// What makes rows and columns of mixed units comparable: a characteristic length L.
 ///
@@ -10,8 +13,8 @@ namespace ferrers {
 /// by L, so that G's scaled entries are pure numbers of order one in any system of units.
 struct Scaling {
   double length_m = 1;
-  VectorXd rows;     ///< m: multiplies rows of G and phi; a multiplier is `rows` times its scaled value.
-  VectorXd columns;  ///< nv: multiplies columns of G; a velocity is `columns` times its scaled value.
+  Eigen::VectorXd rows;     ///< m: multiplies rows of G and phi; a multiplier is `rows` times its scaled value.
+  Eigen::VectorXd columns;  ///< nv: multiplies columns of G; a velocity is `columns` times its scaled value.
 };
 
 /// Mean over the moving bodies of the largest distance between two joint places on the body; mass-free. Falls back to
@@ -19,6 +22,7 @@ struct Scaling {
 /// model.
 double characteristic_length(const Model& model);
 
+/// That of a system which is laid out otherwise: once, by `make_system`.
 Scaling make_scaling(const System& system);
 
 }  // namespace ferrers

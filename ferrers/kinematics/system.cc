@@ -206,6 +206,7 @@ std::shared_ptr<const System> make_system(std::shared_ptr<const Model> model, co
   name_coordinates(*system);
   name_rows(*system);
   set_drawn_references(*system);
+  system->scaling = make_scaling(*system);
   return system;
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "ferrers/kinematics/scaling.h"
 #include "ferrers/model/joints/joint_type.h"
 #include "ferrers/model/model.h"
 #include "ferrers/model/state_program.h"
@@ -110,6 +111,7 @@ struct System {
   std::vector<std::string> row_names;         ///< m: "joint/moment_x", or the coupling's name.
   std::vector<std::string> coordinate_names;  ///< nv: "joint" or "joint.coordinate".
   VectorXd drawn_winding;                     ///< Angles of the cut joints as drawn.
+  Scaling scaling;
 
   const Joint& joint(const CutJoint& cut) const { return model->joint(cut.joint); }
   CoordinateAccess access(JointCoordinate coordinate) const;

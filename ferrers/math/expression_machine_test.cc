@@ -10,6 +10,7 @@
 #include "ferrers/math/expression.h"
 #include "ferrers/math/machine_memory.h"
 #include "ferrers/testing/andrews_formulas.h"
+#include "ferrers/testing/needs_machine_code.h"
 #include "ferrers/testing/random_formula.h"
 #include "ferrers/testing/random_source.h"
 
@@ -33,9 +34,6 @@ void expect_same(const ExpressionProgram& program, const std::vector<double>& in
     EXPECT_TRUE(same(native[i], interpreted[i])) << what << "[" << i << "]: " << native[i] << " " << interpreted[i];
   }
 }
-
-#define NEEDS_MACHINE_CODE() \
-  if (!has_machine_code()) GTEST_SKIP() << "no machine code on this processor"
 
 TEST(ExpressionMachineTest, GivesTheBitsOfTheInterpreter) {
   NEEDS_MACHINE_CODE();

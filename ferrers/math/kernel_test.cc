@@ -9,12 +9,10 @@
 #include <random>
 
 #include "ferrers/math/traced.h"
+#include "ferrers/testing/needs_machine_code.h"
 
 namespace ferrers {
 namespace {
-
-#define NEEDS_MACHINE_CODE() \
-  if (!has_machine_code()) GTEST_SKIP() << "no machine code on this processor"
 
 using Op = ExpressionOp;
 

@@ -19,7 +19,7 @@ class Trace;
 class Traced {
  public:
   Traced() = default;
-  Traced(double constant) : constant_(constant) {}  // NOLINT(google-explicit-constructor): constants are numbers
+  Traced(double constant) : constant_(constant) {}  // constants are numbers
 
   bool is_constant() const { return value_ < 0; }
   bool is_zero() const { return is_constant() && constant_ == 0; }

@@ -7,12 +7,10 @@
 #include <stdexcept>
 
 #include "ferrers/math/kernel.h"
+#include "ferrers/testing/needs_machine_code.h"
 
 namespace ferrers {
 namespace {
-
-#define NEEDS_MACHINE_CODE() \
-  if (!has_machine_code()) GTEST_SKIP() << "no machine code on this processor"
 
 // A rotation about z and then a constant frame: what mechanisms are made of.
 template <class T>

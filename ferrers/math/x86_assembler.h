@@ -17,16 +17,7 @@ namespace ferrers {
 /// math/.
 class X86Assembler {
  public:
-  enum class Base : std::uint8_t {
-    kRcx = 1,
-    kRdx = 2,
-    kRbx = 3,
-    kRbp = 5,
-    kRsi = 6,
-    kRdi = 7,
-    kR12 = 12,
-    kConstant = 16
-  };
+  enum class Base : std::uint8_t { kRdx = 2, kRbx = 3, kRbp = 5, kRsi = 6, kRdi = 7, kR12 = 12, kConstant = 16 };
 
   /// The second source of an instruction: a register, memory at `base` + 8 · `index`, or the constants from number
   /// `index` on.

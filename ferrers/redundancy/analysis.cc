@@ -90,14 +90,12 @@ class GroupWriter {
   std::vector<int> closure_of_row_, joint_of_row_;
 };
 
-void collect_self_stresses(const System& system, const Scaling& scaling, const State& state,
-                           const ClusterDecision& decision, RedundancyReport& report) {
-  PositionKinematics pos = make_position_kinematics(system);
-  compute_positions(system, state.q, pos);
-  const JointWrenches joints = compute_joint_frame_wrenches(system, state, pos);
-  SelfStressExtender extender(system, scaling, report.rows, pos, joints);
+Collected collect_self_stresses(const System& system, const Scaling& scaling, const AllRows& rows,
+                                const PositionKinematics& pos, const JointWrenches& joints,
+                                const ClusterDecision& decision) {
+  SelfStressExtender extender(system, scaling, rows, pos, joints);
   Collected out;
-  GroupWriter writer(system, report.rows, out);
+  GroupWriter writer(system, rows, out);
   for (std::size_t c = 0; c < decision.clusters.size(); ++c) {
     const ClusterRank& cluster = decision.clusters[c];
     for (const SparseRank::NullGroup& group : cluster.elimination.left_null()) {
@@ -108,9 +106,13 @@ void collect_self_stresses(const System& system, const Scaling& scaling, const S
       writer.write(static_cast<int>(c), stresses);
     }
   }
-  report.self_stresses.resize(report.rows.size(), static_cast<long>(out.places.size()));
-  report.self_stresses.setFromTriplets(out.entries.begin(), out.entries.end());
-  report.self_stress_places = std::move(out.places);
+  return out;
+}
+
+SparseMatrixXd as_matrix(const AllRows& rows, const Collected& stresses) {
+  SparseMatrixXd Z(rows.size(), static_cast<long>(stresses.places.size()));
+  Z.setFromTriplets(stresses.entries.begin(), stresses.entries.end());
+  return Z;
 }
 
 // How far the geometry contradicts itself: what the residual does on each self-stress of the closure rows.
@@ -201,9 +203,17 @@ MatrixXd complete_self_stresses(const System& system, const Scaling& scaling, co
   return rows.scale.asDiagonal() * basis;
 }
 
+SparseMatrixXd find_self_stresses(const System& system, const Scaling& scaling, const AllRows& rows,
+                                  const PositionKinematics& pos, const JointWrenches& joints,
+                                  const ConstraintKinematics& constraints) {
+  const ConstraintBlocks blocks = cut_into_blocks(system, constraints);
+  const ClusterDecision decision = decide_clusters(system, scaling, blocks, 0, kLargestDenseInMotion);
+  return as_matrix(rows, collect_self_stresses(system, scaling, rows, pos, joints, decision));
+}
+
 RedundancyReport analyze_redundancy(const System& system, const State& state, const AnalysisOptions& options) {
   RedundancyReport report;
-  const Scaling scaling = make_scaling(system);
+  const Scaling& scaling = system.scaling;
   const ConstraintBlocks blocks = compute_constraint_blocks(system, state);
   const ClusterDecision decision = decide_clusters(system, scaling, blocks, options.blur);
   report.decision = decision.decision;
@@ -217,7 +227,12 @@ RedundancyReport analyze_redundancy(const System& system, const State& state, co
     report.independent_coordinate_names.push_back(system.coordinate_names[v]);
   }
   report.rows = make_all_rows(system, scaling);
-  collect_self_stresses(system, scaling, state, decision, report);
+  PositionKinematics pos = make_position_kinematics(system);
+  compute_positions(system, state.q, pos);
+  Collected stresses = collect_self_stresses(system, scaling, report.rows, pos,
+                                             compute_joint_frame_wrenches(system, state, pos), decision);
+  report.self_stresses = as_matrix(report.rows, stresses);
+  report.self_stress_places = std::move(stresses.places);
   report.reactions = judge_reactions(system, report.rows, report.self_stresses);
   report.inconsistency = largest_contradiction(scaling, decision, blocks.phi);
   return report;

@@ -88,7 +88,13 @@ MatrixXd complete_self_stresses(const System& system, const Scaling& scaling, co
                                 const PositionKinematics& pos, const JointWrenches& joints,
                                 const MatrixXd& closure_part);
 
+/// Self-stresses over all rows at a pose, each on the joints of its own loops only; their rank is decided here. For
+/// mechanisms whose self-stresses would not fit as a dense matrix. Cost: as that of the decision.
+SparseMatrixXd find_self_stresses(const System& system, const Scaling& scaling, const AllRows& rows,
+                                  const PositionKinematics& pos, const JointWrenches& joints,
+                                  const ConstraintKinematics& constraints);
+
 /// The closure rows' part of the self-stresses by elimination with a selection: no rank is decided. m × (m − r).
-MatrixXd self_stresses_of_selection(const System& system, const Selection& selection, const RowMatrixXd& G);
+MatrixXd self_stresses_of_selection(const System& system, const Selection& selection, const PatternMatrix& G);
 
 }  // namespace ferrers

@@ -105,7 +105,7 @@ void expect_consistent(const System& system, const State& state, const Redundanc
   compute_positions(system, state.q, pos);
   ConstraintKinematics c = make_constraint_kinematics(system);
   compute_constraints(system, state, pos, make_velocity_kinematics(system), c);
-  const Scaling scaling = make_scaling(system);
+  const Scaling& scaling = system.scaling;
   const MatrixXd scaled_G = scaling.rows.asDiagonal() * c.G * scaling.columns.asDiagonal();
   const MatrixXd kept = scaled_G(r.selection.rows, Eigen::all);
   if (r.closure_rank > 0) {
@@ -297,7 +297,7 @@ TEST(RedundancyTest, IndependentCoordinatesHaveNames) {
 TEST(RedundancyTest, ReselectionKeepsTheRank) {
   const auto system = built(witness::make_bennett());
   const State drawn = make_drawn_state(*system);
-  const Scaling scaling = make_scaling(*system);
+  const Scaling& scaling = system->scaling;
   PositionKinematics pos = make_position_kinematics(*system);
   compute_positions(*system, drawn.q, pos);
   ConstraintKinematics c = make_constraint_kinematics(*system);

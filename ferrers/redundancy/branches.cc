@@ -41,7 +41,7 @@ double sine_between(const MatrixXd& A, const MatrixXd& B) { return (A - B * (B.t
 class Walker {
  public:
   Walker(const ClusterSystem& cluster, const State& pose, const BranchOptions& options)
-      : cluster_(cluster), pose_(pose), options_(options), probe_(cluster.system, cluster.scaling) {}
+      : cluster_(cluster), pose_(pose), options_(options), probe_(cluster.system, cluster.system.scaling) {}
 
   /// At the given pose.
   LocalMotion look(const State& state) {
@@ -62,7 +62,7 @@ class Walker {
 
   /// A step of `size` (largest coordinate, rad or characteristic lengths) along x (scaled), then the loops closed.
   std::optional<Reached> step(const State& from, ReducedClosure& closure, const VectorXd& x, double size) const {
-    const double length = cluster_.scaling.length_m;
+    const double length = cluster_.system.scaling.length_m;
     return close(from, closure, x * (size * length / x.cwiseAbs().maxCoeff()), 0.3 * size * length);
   }
 
@@ -103,9 +103,9 @@ class Walker {
  private:
   std::optional<Reached> close(const State& from, ReducedClosure& closure, const VectorXd& way, double least) const {
     Reached out{from, {}};
-    displace(cluster_.system, way.cwiseProduct(cluster_.scaling.columns), out.state.q);
+    displace(cluster_.system, way.cwiseProduct(cluster_.system.scaling.columns), out.state.q);
     if (!closure.close(out.state)) return std::nullopt;
-    out.way = displacement(cluster_.system, cluster_.scaling, from.q, out.state.q);
+    out.way = displacement(cluster_.system, cluster_.system.scaling, from.q, out.state.q);
     if (out.way.cwiseAbs().maxCoeff() < least) return std::nullopt;
     return out;
   }

@@ -166,9 +166,9 @@ ClusterSystem make_cluster_system(const System& whole, const Scaling& scaling, c
   ClusterSystem out;
   Extractor(whole, out).run(cluster);
   out.system.drawn_winding = whole.drawn_winding(out.winding);
-  out.scaling.length_m = scaling.length_m;
-  out.scaling.rows = scaling.rows(out.rows);
-  out.scaling.columns = scaling.columns(out.columns);
+  out.system.scaling.length_m = scaling.length_m;
+  out.system.scaling.rows = scaling.rows(out.rows);
+  out.system.scaling.columns = scaling.columns(out.columns);
   return out;
 }
 

@@ -14,8 +14,7 @@
 namespace ferrers {
 
 struct ClusterSystem {
-  System system;
-  Scaling scaling;                 ///< The whole's, cut out: one characteristic length for all clusters.
+  System system;                   ///< With the whole's scaling, cut out: one characteristic length for all clusters.
   std::vector<int> rows, columns;  ///< Of the whole's G: row i and column k of this system's.
   std::vector<int> q, winding;     ///< Where this system's positions and windings stand in the whole's state.
 

@@ -271,7 +271,7 @@ std::string angle_text(double angle_rad) {
 
 ContradictionReport analyze_contradiction(const System& system, const AssemblyResult& assembly) {
   ContradictionReport report;
-  const Scaling scaling = make_scaling(system);
+  const Scaling& scaling = system.scaling;
   const double length = scaling.length_m;
   report.state = assembly.state;
   report.misfit = phi_at(system, assembly.state);

@@ -80,7 +80,7 @@ TEST(ContradictionTest, TheMisclosureIsProportionalToTheError) {
 TEST(ContradictionTest, TheMisclosureIsWhatNoDisplacementOfTheBodiesRemoves) {
   const auto system = built(make_bennett_links(1e-6));
   const ContradictionReport report = judged(*system);
-  const Scaling scaling = make_scaling(*system);
+  const Scaling& scaling = system->scaling;
   const AllRows rows = make_all_rows(*system, scaling);
   const MatrixXd G = compute_scaled_joint_jacobian(*system, report.state, rows, scaling.length_m);
   const RankAnalysis analysis = analyze_rank(G, 0, report.blur);

@@ -30,7 +30,7 @@ void expect_selection_spans(const Analysed& a) {
   compute_positions(*a.system, a.state.q, pos);
   ConstraintKinematics c = make_constraint_kinematics(*a.system);
   compute_constraints(*a.system, a.state, pos, make_velocity_kinematics(*a.system), c);
-  const Scaling scaling = make_scaling(*a.system);
+  const Scaling& scaling = a.system->scaling;
   const MatrixXd G = scaling.rows.asDiagonal() * c.G * scaling.columns.asDiagonal();
   const Selection& s = a.report.selection;
   ASSERT_EQ(static_cast<int>(s.rows.size()), a.report.closure_rank);
@@ -99,7 +99,7 @@ TEST(LargeAnalysisTest, LargeAndSmallMethodsAgreeOnTheSameRow) {
 
 TEST(LargeAnalysisTest, ALongRowThatWasPushedApartCloses) {
   const auto system = make_system(*build_model(witness::make_n_four_bar(500, 0.3)).model);
-  const Scaling scaling = make_scaling(*system);
+  const Scaling& scaling = system->scaling;
   State state = make_drawn_state(*system);
   VectorXd push(system->nv);
   for (int v = 0; v < system->nv; ++v) push[v] = 0.05 * std::sin(1.3 * v);

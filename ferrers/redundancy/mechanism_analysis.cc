@@ -30,7 +30,7 @@ MechanismAnalysis analyze_mechanism(const System& system) {
   out.resultants = find_unique_resultants(system, state, report);
   out.releases = analyze_releases(system, state, report, {.permanence = &*out.permanence});
   if (!system.velocity_rows.empty() || system.knows_time) {
-    out.rate_conflict = find_rate_conflict(system, make_scaling(system), constraints_at_rest(system, state));
+    out.rate_conflict = find_rate_conflict(system, system.scaling, constraints_at_rest(system, state));
   }
   return out;
 }

@@ -171,7 +171,7 @@ PermanenceReport analyze_permanence(const System& system, const State& state, co
     return out;
   }
   out.basis = FiniteMobilityBasis::kFirstOrder;
-  const Scaling scaling = make_scaling(system);
+  const Scaling& scaling = system.scaling;
   Combiner combiner(system, scaling);
   for (std::size_t c = 0; c < system.topology->clusters.size(); ++c) {
     const ClusterSystem part = make_cluster_system(system, scaling, system.topology->clusters[c]);

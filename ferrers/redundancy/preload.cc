@@ -34,7 +34,7 @@ PreloadReport analyze_preload(const System& system, const State& state, const Re
                               const VectorXd& closure_residual) {
   if (closure_residual.size() > 0) require_size(closure_residual.size(), system.m, "analyze_preload: closure_residual");
   PreloadReport out;
-  const Scaling scaling = make_scaling(system);
+  const Scaling& scaling = system.scaling;
   const AllRows& rows = report.rows;
   const JointSprings springs = make_joint_springs(system, DistributionBy::kJointStiffness, scaling.length_m);
   PositionKinematics pos = make_position_kinematics(system);

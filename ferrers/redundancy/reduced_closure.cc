@@ -32,23 +32,23 @@ ReducedClosure::ReducedClosure(const ClusterSystem& cluster, const LocalMotion& 
 void ReducedClosure::evaluate(const State& state) {
   compute_positions(cluster_.system, state.q, pos_);
   compute_constraints(cluster_.system, state, pos_, rest_, constraints_);
-  phi_ = constraints_.phi.cwiseProduct(cluster_.scaling.rows);
+  phi_ = constraints_.phi.cwiseProduct(cluster_.system.scaling.rows);
 }
 
 void ReducedClosure::factorize() {
-  UG_ = (U_.transpose() * cluster_.scaling.rows.asDiagonal()) * constraints_.G;
-  UG_ *= cluster_.scaling.columns.asDiagonal();
+  UG_ = (U_.transpose() * cluster_.system.scaling.rows.asDiagonal()) * constraints_.G;
+  UG_ *= cluster_.system.scaling.columns.asDiagonal();
   lu_.compute(UG_ * Y_);
 }
 
 void ReducedClosure::move(const VectorXd& x, State& state) const {
-  displace(cluster_.system, x.cwiseProduct(cluster_.scaling.columns), state.q);
+  displace(cluster_.system, x.cwiseProduct(cluster_.system.scaling.columns), state.q);
 }
 
 // Newton along Y; the matrix is kept while it serves. `state` is evaluated afterwards.
 bool ReducedClosure::restore(State& state) {
   constexpr int kIterations = 30;
-  const double length = cluster_.scaling.length_m;
+  const double length = cluster_.system.scaling.length_m;
   evaluate(state);
   if (Y_.cols() == 0) return true;
   double last = INFINITY;
@@ -59,7 +59,7 @@ bool ReducedClosure::restore(State& state) {
     if (!std::isfinite(size) || size > length) return false;
     if (size <= 2e-16 * length) break;
     if (is_fresh && size > 0.5 * last) {  // as far as it goes
-      if (size > closed_tolerance(cluster_.scaling)) return false;
+      if (size > closed_tolerance(cluster_.system.scaling)) return false;
       break;
     }
     is_fresh = i == 0 || size > 0.1 * last;
@@ -71,7 +71,7 @@ bool ReducedClosure::restore(State& state) {
     evaluate(state);
   }
   accept_winding(cluster_.system, pos_, state);
-  return (U_.transpose() * phi_).norm() <= closed_tolerance(cluster_.scaling);
+  return (U_.transpose() * phi_).norm() <= closed_tolerance(cluster_.system.scaling);
 }
 
 // What remains, to first order, as N z goes with the share along Y that keeps Uᵀ phi.
@@ -81,14 +81,14 @@ void ReducedClosure::linearize() {
     factorize();
     along_ -= Y_ * lu_.solve(UG_ * N_);
   }
-  const MatrixXd ZG = (Z_.transpose() * cluster_.scaling.rows.asDiagonal()) * constraints_.G;
-  J_ = ZG * cluster_.scaling.columns.asDiagonal() * along_;
+  const MatrixXd ZG = (Z_.transpose() * cluster_.system.scaling.rows.asDiagonal()) * constraints_.G;
+  J_ = ZG * cluster_.system.scaling.columns.asDiagonal() * along_;
   g_ = Z_.transpose() * phi_;
 }
 
 VectorXd ReducedClosure::correction(double damping) const {
   VectorXd z = compute_damped_step(J_, g_, std::max(damping * J_.norm(), 1e-14));
-  const double limit = 0.1 * cluster_.scaling.length_m;
+  const double limit = 0.1 * cluster_.system.scaling.length_m;
   const double size = z.cwiseAbs().maxCoeff();
   if (size > limit) z *= limit / size;
   return along_ * z;
@@ -105,7 +105,7 @@ bool ReducedClosure::improve(const VectorXd& step, double wanted, State& state) 
 bool ReducedClosure::close(State& state) {
   constexpr int kIterations = 60;
   constexpr double kClosed = 1e-13;
-  const double length = cluster_.scaling.length_m;
+  const double length = cluster_.system.scaling.length_m;
   if (!restore(state)) return false;
   double size = remainder(), ratio = 0, damping = 1e-6;
   for (int i = 0; i < kIterations && size > 3e-16 * length; ++i) {
@@ -130,7 +130,7 @@ bool ReducedClosure::close(State& state) {
   }
   evaluate(state);
   // Near a double zero a closed loop is far from closed: what remains must be down at rounding.
-  const bool is_closed = phi_.cwiseAbs().maxCoeff() <= closed_tolerance(cluster_.scaling);
+  const bool is_closed = phi_.cwiseAbs().maxCoeff() <= closed_tolerance(cluster_.system.scaling);
   return is_closed && remainder() <= kClosed * length && !is_any_flipped();
 }
 

@@ -57,7 +57,7 @@ bool is_better_combination(const Combination& a, const Combination& b) {
 // A state where the redundancy is the generic one.
 std::optional<State> find_generic_state(const System& system, const State& from, int generic_redundant) {
   if (system.nv > kMostWalked) return std::nullopt;
-  const Scaling scaling = make_scaling(system);
+  const Scaling& scaling = system.scaling;
   PositionKinematics pos = make_position_kinematics(system);
   const VelocityKinematics rest = make_velocity_kinematics(system);
   ConstraintKinematics constraints = make_constraint_kinematics(system);

@@ -4,7 +4,9 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
+#include <optional>
 #include <set>
 
 namespace ferrers {
@@ -114,6 +116,14 @@ void choose_by_elimination(const ClusterRank& cluster, Selection& out, std::vect
   for (const int column : cluster.elimination.free_columns()) is_dependent[cluster.columns[column]] = false;
 }
 
+// Pivoting it as a whole takes longer than a long motion.
+bool is_large(const System& system, const Cluster& cluster) {
+  int rows = 0, columns = 0;
+  for (const int c : cluster.closures) rows += system.topology->closures[c].row_count;
+  for (const int n : cluster.nodes) columns += system.nodes[n].nv;
+  return rows > kLargestDense && columns > kLargestDense;
+}
+
 void finish(const System& system, const std::vector<bool>& is_dependent, Selection& out) {
   std::sort(out.rows.begin(), out.rows.end());
   for (int v = 0; v < system.nv; ++v) (is_dependent[v] ? out.dependent : out.independent).push_back(v);
@@ -154,8 +164,8 @@ Selection select_independent(const System& system, const Scaling& scaling, const
     const ClusterRank& cluster = clusters.clusters[c];
     if (cluster.dense) {
       choose_in_block({cluster.rows, cluster.columns, cluster.G}, cluster.rank, out, is_dependent);
-    } else if (cluster.rows.size() > kLargestDense && cluster.columns.size() > kLargestDense) {
-      choose_by_elimination(cluster, out, is_dependent);  // pivoting it as a whole takes longer than a long motion
+    } else if (is_large(system, system.topology->clusters[c])) {
+      choose_by_elimination(cluster, out, is_dependent);
     } else {  // evaluation divides by the pivots of this block: they must be the best there are
       const ClusterBlock block = make_cluster_block(system, scaling, blocks, system.topology->clusters[c]);
       choose_in_block(block, cluster.rank, out, is_dependent);
@@ -168,27 +178,73 @@ Selection select_independent(const System& system, const Scaling& scaling, const
 Selection reselect(const System& system, const Scaling& scaling, const ConstraintKinematics& constraints,
                    const Selection& previous) {
   const ConstraintBlocks blocks = cut_into_blocks(system, constraints);
+  const auto was_kept = [&](int row) { return std::binary_search(previous.rows.begin(), previous.rows.end(), row); };
+  std::optional<ClusterDecision> eliminated;
   Selection out;
   std::vector<bool> is_dependent(system.nv, false);
-  for (const Cluster& cluster : system.topology->clusters) {
-    const ClusterBlock block = make_cluster_block(system, scaling, blocks, cluster);
-    const auto rank = std::count_if(block.rows.begin(), block.rows.end(), [&](int row) {
-      return std::binary_search(previous.rows.begin(), previous.rows.end(), row);
-    });
-    choose_in_block(block, static_cast<int>(rank), out, is_dependent);
+  for (std::size_t c = 0; c < system.topology->clusters.size(); ++c) {
+    const Cluster& cluster = system.topology->clusters[c];
+    if (!is_large(system, cluster)) {
+      const ClusterBlock block = make_cluster_block(system, scaling, blocks, cluster);
+      const auto rank = std::count_if(block.rows.begin(), block.rows.end(), was_kept);
+      choose_in_block(block, static_cast<int>(rank), out, is_dependent);
+      continue;
+    }
+    if (!eliminated) eliminated = decide_clusters(system, scaling, blocks, 0, kLargestDenseInMotion);
+    const ClusterRank& found = eliminated->clusters[c];
+    if (found.rank == std::count_if(found.rows.begin(), found.rows.end(), was_kept)) {
+      choose_by_elimination(found, out, is_dependent);
+      continue;
+    }
+    // Another rank just here: what was chosen stays.
+    std::copy_if(found.rows.begin(), found.rows.end(), std::back_inserter(out.rows), was_kept);
+    for (const int v : found.columns) {
+      is_dependent[v] = std::binary_search(previous.dependent.begin(), previous.dependent.end(), v);
+    }
   }
   finish(system, is_dependent, out);
   return out;
 }
 
-ExtendedSelection extend_selection(const Selection& base, const RowMatrixXd& G, int first_row,
+DependentBlock::DependentBlock(const Selection& selection, const PatternMatrix& G) {
+  if (selection.rows.size() <= kLargestDense) {
+    dense_.compute(G(selection.rows, selection.dependent));
+    return;
+  }
+  std::vector<int> position(static_cast<std::size_t>(G.cols()), -1);
+  for (std::size_t k = 0; k < selection.dependent.size(); ++k) position[selection.dependent[k]] = static_cast<int>(k);
+  std::vector<Eigen::Triplet<double>> entries;
+  for (std::size_t i = 0; i < selection.rows.size(); ++i) {
+    for (PatternMatrix::InnerIterator it(G, selection.rows[i]); it; ++it) {
+      const int k = position[static_cast<std::size_t>(it.col())];
+      if (k >= 0 && it.value() != 0) entries.emplace_back(static_cast<int>(i), k, it.value());
+    }
+  }
+  const auto r = static_cast<long>(selection.rows.size());
+  Eigen::SparseMatrix<double> G_d(r, r);
+  G_d.setFromTriplets(entries.begin(), entries.end());
+  sparse_ = std::make_shared<Sparse>();
+  sparse_->compute(G_d);
+}
+
+MatrixXd DependentBlock::solve(const MatrixXd& right) const {
+  if (sparse_ == nullptr) return dense_.solve(right);
+  return sparse_->solve(right);
+}
+
+MatrixXd DependentBlock::solve_transposed(const MatrixXd& right) const {
+  if (sparse_ == nullptr) return dense_.transpose().solve(right);
+  return sparse_->transpose().solve(right);
+}
+
+ExtendedSelection extend_selection(const Selection& base, const PatternMatrix& G, int first_row,
                                    const VectorXd& row_scale, const VectorXd& columns) {
   const auto k = static_cast<int>(row_scale.size());
-  const RowMatrixXd D = row_scale.asDiagonal() * G.middleRows(first_row, k);
+  RowMatrixXd D = G.middleRows(first_row, k);
+  D = row_scale.asDiagonal() * D;
   MatrixXd A = D(Eigen::all, base.independent);
   if (!base.rows.empty()) {
-    const MatrixXd G_d = G(base.rows, base.dependent), G_i = G(base.rows, base.independent);
-    A -= D(Eigen::all, base.dependent) * G_d.partialPivLu().solve(G_i);
+    A -= D(Eigen::all, base.dependent) * DependentBlock(base, G).solve(G(base.rows, base.independent));
   }
   A *= columns(base.independent).asDiagonal();
   const int rank = analyze_rank(A, 1.0).decision.rank;
@@ -211,15 +267,15 @@ ExtendedSelection extend_selection(const Selection& base, const RowMatrixXd& G, 
   return extended;
 }
 
-MatrixXd self_stresses_of_selection(const System& system, const Selection& selection, const RowMatrixXd& G) {
+MatrixXd self_stresses_of_selection(const System& system, const Selection& selection, const PatternMatrix& G) {
   const int r = static_cast<int>(selection.rows.size());
   const std::vector<int> excluded = selection.excluded_rows(system.m);
   MatrixXd Z = MatrixXd::Zero(system.m, static_cast<long>(excluded.size()));
   for (std::size_t e = 0; e < excluded.size(); ++e) Z(excluded[e], static_cast<long>(e)) = 1;
   if (r == 0 || excluded.empty()) return Z;
-  const MatrixXd G_d = G(selection.rows, selection.dependent), G_e = G(excluded, selection.dependent);
+  const MatrixXd G_e = G(excluded, selection.dependent);
   // G_e = C G_d, so that y_e = 1 is balanced by y_r = −Cᵀ.
-  const MatrixXd C_transposed = G_d.transpose().partialPivLu().solve(G_e.transpose());
+  const MatrixXd C_transposed = DependentBlock(selection, G).solve_transposed(G_e.transpose());
   for (int i = 0; i < r; ++i) Z.row(selection.rows[i]) = -C_transposed.row(i);
   return Z;
 }

@@ -11,7 +11,8 @@ class ConstantAcceleration final : public Stepper {
   explicit ConstantAcceleration(const Evaluator& evaluator)
       : pos_(make_position_kinematics(evaluator.system())),
         vel_(make_velocity_kinematics(evaluator.system())),
-        constraints_(make_constraint_kinematics(evaluator.system(), static_cast<int>(evaluator.driven().size()))),
+        constraints_(
+            make_constraint_kinematics(evaluator.system(), columns_of_drives(evaluator.model(), evaluator.driven()))),
         drive_work_(make_drive_evaluation(evaluator.model())) {}
 
   Outcome step(Evaluator& evaluator, const State& state, double h, State& next) override {
@@ -31,7 +32,7 @@ class ConstantAcceleration final : public Stepper {
     next.v = state.v + h * vdot;
     for (const int d : s.dependent) next.v[d] = 0;
     gather(evaluator, next);
-    step_ = constraints_.nu(s.rows) - constraints_.G(s.rows, Eigen::all) * next.v;
+    step_ = VectorXd(constraints_.nu - constraints_.G * next.v)(s.rows);
     const VectorXd dependent = lu_.solve(step_);
     next.v(s.dependent) = dependent;
     if (!next.v.allFinite() || evaluator.evaluate(next) != ForwardStatus::kSolved) return failed;

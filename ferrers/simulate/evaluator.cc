@@ -30,7 +30,7 @@ Evaluator::Evaluator(std::shared_ptr<const DynamicsModel> model, Formulation for
                      const DistributionOptions& distribution)
     : model_(std::move(model)),
       formulation_(formulation),
-      scaling_(make_scaling(*model_->system)),
+      scaling_(model_->system->scaling),
       eq_(make_equations(*model_, std::move(driven))),
       result_(make_forward_result(eq_)),
       energy_pos_(make_position_kinematics(*model_->system)),
@@ -162,11 +162,11 @@ void Evaluator::note_pivot(double t, double pivot) {
   watch(t, pivot);
 }
 
-// ---- native code
-// -----------------------------------------------------------------------------------------------------
+// ---- native code ----
 
 bool Evaluator::finds_programs() {
   if (programs_sought_) return stage_program_ != nullptr;
+  if (native_from_ < 0 || evaluations_ < native_from_) return false;
   const SparseKkt* const order = solver_->order();
   if (order == nullptr) return false;  // nothing was solved yet, or another formulation
   programs_sought_ = true;
@@ -174,7 +174,7 @@ bool Evaluator::finds_programs() {
     return false;
   }
   const auto find = [&](ForwardProgram::Extent extent) {
-    return (*model_->programs).find_or_make(*model_, *order, extent);
+    return model_->programs->find_or_make(*model_, *order, extent);
   };
   stage_program_ = find(ForwardProgram::Extent::kAccelerations);
   closure_program_ = find(ForwardProgram::Extent::kClosure);
@@ -208,7 +208,11 @@ bool Evaluator::evaluate_natively(const State& state, const ForwardProgram& prog
   if (program.evaluate(state, applied_, board, result_, watched, closure) != ForwardStatus::kSolved) return false;
   ++evaluations_;
   other_power_ = watched.power;
-  if (closure != nullptr) note_sizes(closure->place, closure->speed, closure->turn);
+  if (closure != nullptr) {
+    note_sizes(closure->place, closure->speed, closure->turn);
+    eq_.constraints.phi = closure->phi;
+    eq_.constraints.rate = closure->rate;
+  }
   note_pivot(state.t, watched.smallest_pivot);
   return true;
 }
@@ -292,15 +296,18 @@ double Evaluator::rounding_of_velocities() const {
   return 2 * std::numeric_limits<double>::epsilon() * (speed_ + scaling_.length_m * turn_ + coordinate_speed_);
 }
 
+const VectorXd& Evaluator::resolve(const VectorXd& right) {
+  solver_->resolve(no_force_, right, correction_);
+  return correction_.vdot;
+}
+
 double Evaluator::settle(State& state, const VectorXd* offset) {
   normalize_quaternions(system(), state.q);
-  if (offset == nullptr && finds_programs() && ForwardProgram::reaches(state)) {
-    const double gap = settle_natively(state);
-    if (std::isfinite(gap)) return gap;  // else the parts may know better
-  }
+  bool natively = offset == nullptr && finds_programs() && ForwardProgram::reaches(state);
   double before = INFINITY, rate_before = INFINITY, gap = 0;
   for (int i = 0; i < 8; ++i) {
-    if (evaluate(state) != ForwardStatus::kSolved) return INFINITY;
+    natively = natively && evaluate_natively(state, *closure_program_, closure_board_, &closure_);
+    if (!natively && evaluate(state) != ForwardStatus::kSolved) return INFINITY;  // the parts know some poses more
     gap = 0;
     double rate_gap = 0;
     const ConstraintKinematics& c = eq_.constraints;
@@ -309,47 +316,22 @@ double Evaluator::settle(State& state, const VectorXd* offset) {
       rate_gap = std::max(rate_gap, std::abs(c.rate[row] - c.nu[row]) * row_scale_[row]);
     }
     if (!std::isfinite(gap) || !std::isfinite(rate_gap)) return INFINITY;
-    const bool closed = gap <= rounding_of_positions() || (i > 1 && gap > 0.5 * before);
-    const bool calm = rate_gap <= rounding_of_velocities() || (i > 1 && closed && rate_gap > 0.5 * rate_before);
+    const double slack = settles_stages_ ? 1 : std::max(1.0, close_enough_ / rounding_of_positions());
+    const bool closed = gap <= slack * rounding_of_positions() || (i > 1 && gap > 0.5 * before);
+    const bool calm = rate_gap <= slack * rounding_of_velocities() || (i > 1 && closed && rate_gap > 0.5 * rate_before);
     if (closed && calm) return offset != nullptr || laws_agree(state.t) ? gap : INFINITY;
     before = gap;
     rate_before = rate_gap;
     if (!calm) {
       residual_rhs_ = c.nu - c.rate;
-      solver_->resolve(no_force_, residual_rhs_, correction_);
-      state.v += correction_.vdot;
+      state.v += natively ? closure_.dv : resolve(residual_rhs_);
     }
     if (!closed) {
       residual_rhs_ = -c.phi;
       if (offset) residual_rhs_ += *offset;
-      solver_->resolve(no_force_, residual_rhs_, correction_);
-      displace(system(), correction_.vdot, state.q);
+      displace(system(), natively ? closure_.dq : resolve(residual_rhs_), state.q);
     }
   }
-  return gap;
-}
-
-double Evaluator::settle_natively(State& state) {
-  double before = INFINITY, rate_before = INFINITY, gap = 0;
-  for (int i = 0; i < 8; ++i) {
-    if (!evaluate_natively(state, *closure_program_, closure_board_, &closure_)) return INFINITY;
-    gap = 0;
-    double rate_gap = 0;
-    for (const int row : selection_.rows) {
-      gap = std::max(gap, std::abs(closure_.phi[row]) * row_scale_[row]);
-      rate_gap = std::max(rate_gap, std::abs(closure_.rate[row]) * row_scale_[row]);
-    }
-    if (!std::isfinite(gap) || !std::isfinite(rate_gap)) return INFINITY;
-    const bool closed = gap <= rounding_of_positions() || (i > 1 && gap > 0.5 * before);
-    const bool calm = rate_gap <= rounding_of_velocities() || (i > 1 && closed && rate_gap > 0.5 * rate_before);
-    if (closed && calm) break;
-    before = gap;
-    rate_before = rate_gap;
-    if (!calm) state.v += closure_.dv;
-    if (!closed) displace(system(), closure_.dq, state.q);
-  }
-  eq_.constraints.phi = closure_.phi;
-  eq_.constraints.rate = closure_.rate;
   return gap;
 }
 
@@ -364,8 +346,7 @@ bool Evaluator::evaluate_stage(State& state) {
 void Evaluator::keep_admissible(VectorXd& dv) {
   residual_rhs_.noalias() = -equations().constraints.G * dv;
   if (!has_factors_) return;  // where even native code hardly had them
-  solver_->resolve(no_force_, residual_rhs_, correction_);
-  dv += correction_.vdot;
+  dv += resolve(residual_rhs_);
 }
 
 void Evaluator::restore_energy(const State& from, const Work& work, State& to) {

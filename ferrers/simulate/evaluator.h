@@ -21,6 +21,8 @@ class Evaluator {
   Evaluator(std::shared_ptr<const DynamicsModel> model, Formulation formulation, std::vector<int> driven = {},
             const DistributionOptions& distribution = {});
 
+  /// From which evaluation on native code may be made and used; never: less than 0.
+  void use_native_code_from(long evaluation) { native_from_ = evaluation; }
   /// Drives from now on: which are prescribed, and which do not act at all. `decide` must follow.
   void set_drives(std::vector<int> driven, std::vector<bool> off);
   /// Decides at `state` and records it.
@@ -36,6 +38,9 @@ class Evaluator {
   /// singular pose its correction would be noise. Returns the largest scaled residual left, m; infinity where it
   /// failed. `offset`: go to phi = offset instead.
   double settle(State& state, const VectorXd* offset = nullptr);
+  /// A residual of this length, m, is settled, and velocities in proportion: for runs that are asked for less than
+  /// rounding allows. Not across singular poses.
+  void close_to(double length) { close_enough_ = length; }
   /// Whether states within a step are put on the constraints before they are evaluated: near a singular pose what the
   /// closures lack reaches the accelerations multiplied by 1/δ³.
   void settle_stages(bool settle) { settles_stages_ = settle; }
@@ -105,7 +110,7 @@ class Evaluator {
   bool finds_programs();
   bool evaluate_natively(const State& state, const ForwardProgram& program, Kernel::Board& board,
                          ForwardProgram::Closure* closure);
-  double settle_natively(State& state);
+  const VectorXd& resolve(const VectorXd& right);
   void switch_off(VectorXd& force);
   void note_sizes(double place, double speed, double turn);
   void note_pivot(double t, double pivot);
@@ -133,6 +138,7 @@ class Evaluator {
   Kernel::Board stage_board_, closure_board_;
   ForwardProgram::Closure closure_;
   bool programs_sought_ = false;
+  long native_from_ = 0;
   State last_;                    ///< Of the last native evaluation.
   bool has_factors_ = false;      ///< Those of the last evaluation by parts.
   bool poses_stale_ = false;      ///< `eq_.pos` and `eq_.vel` are not those of the last evaluation.
@@ -148,6 +154,7 @@ class Evaluator {
   double watch_start_ = 0;
   Watched latest_, before_latest_;
   bool pivot_known_ = false, settles_stages_ = false;
+  double close_enough_ = 0;
   double residual_ = 0;
   double place_ = 0, speed_ = 0, turn_ = 0;            ///< The largest of the bodies' nodes: m, m/s, rad/s.
   double coordinate_size_ = 0, coordinate_speed_ = 0;  ///< Largest of the generalized coordinates, scaled: m, m/s.

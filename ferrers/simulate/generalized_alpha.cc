@@ -176,7 +176,8 @@ class GeneralizedAlpha final : public Stepper {
   void factor(const Equations& eq, const std::vector<int>& rows, double to_v, double to_q) {
     const long nv = eq.M.rows(), r = static_cast<long>(rows.size());
     matrix_ = MatrixXd::Zero(nv + r, nv + r);
-    matrix_.topLeftCorner(nv, nv) = eq.M + to_v * C_ + to_q * K_;
+    matrix_.topLeftCorner(nv, nv) = to_v * C_ + to_q * K_;
+    matrix_.topLeftCorner(nv, nv) += eq.M;
     for (long k = 0; k < r; ++k) {
       matrix_.row(nv + k).head(nv) = eq.constraints.G.row(rows[static_cast<std::size_t>(k)]);
       matrix_.col(nv + k).head(nv) = -eq.constraints.G.row(rows[static_cast<std::size_t>(k)]).transpose();

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "ferrers/dynamics/inverse.h"
+#include "ferrers/redundancy/selection.h"
 
 namespace ferrers {
 namespace {
@@ -95,12 +96,11 @@ void compute_idle_drives(const System& system, const Selection& joints, const st
   for (long i = 0; i < k; ++i) {
     const int at = implied[static_cast<std::size_t>(i)];
     eq.idle_efforts(eq.driven[static_cast<std::size_t>(at)], i) = 1;
-    rows.row(i) = eq.constraints.G(system.m + at, joints.dependent);
+    rows.row(i) = eq.constraints.G({system.m + at}, joints.dependent);
   }
   if (joints.rows.empty()) return;
   // The row is C G_d, so that an effort of 1 is balanced by −Cᵀ.
-  const MatrixXd G_d = eq.constraints.G(joints.rows, joints.dependent);
-  const MatrixXd C_transposed = G_d.transpose().partialPivLu().solve(rows.transpose());
+  const MatrixXd C_transposed = DependentBlock(joints, eq.constraints.G).solve_transposed(rows.transpose());
   for (std::size_t i = 0; i < joints.rows.size(); ++i) {
     eq.idle_lambda.row(joints.rows[i]) = -C_transposed.row(static_cast<long>(i));
   }

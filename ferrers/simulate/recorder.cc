@@ -10,8 +10,8 @@ Recorder::Recorder(std::shared_ptr<const DynamicsModel> model, ReactionAxes axes
                    const DistributionOptions& distribution)
     : model_(std::move(model)),
       axes_(axes),
-      reactions_(model_, distribution),
-      scaling_(make_scaling(*model_->system)),
+      distribute_by_(distribution),
+      scaling_(model_->system->scaling),
       floating_(find_floating_bodies(*model_->system)),
       accelerations_(make_velocity_kinematics(*model_->system)) {
   const System& system = *model_->system;
@@ -90,7 +90,8 @@ const RunSample& Recorder::record(const State& state, const Equations& eq, const
       system.m > 0 ? eq.constraints.phi.head(system.m).cwiseProduct(scaling_.rows).cwiseAbs().maxCoeff() : 0.0;
   if (with_reactions) {
     DistributionOutcome outcome;
-    sample_.reactions = reactions_.solve(state, eq, selection, vdot, lambda, u, axes_, &outcome);
+    if (!reactions_) reactions_.emplace(model_, distribute_by_);
+    sample_.reactions = reactions_->solve(state, eq, selection, vdot, lambda, u, axes_, &outcome);
     follow_distribution(state.t, outcome);
     follow_peaks();
   }

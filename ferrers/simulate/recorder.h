@@ -62,7 +62,8 @@ class Recorder {
 
   std::shared_ptr<const DynamicsModel> model_;
   ReactionAxes axes_;
-  ReactionSolver reactions_;
+  DistributionOptions distribute_by_;
+  std::optional<ReactionSolver> reactions_;  ///< Where any were asked for.
   Scaling scaling_;
   std::vector<FloatingBody> floating_;
   std::vector<std::string> columns_;

@@ -35,6 +35,20 @@ double on_grid(const std::vector<double>& times, double t) {
   return next != times.end() && *next - t <= slack ? *next : t;
 }
 
+// Making code takes about as long as so many evaluations without it, whatever the mechanism
+// (bench/evaluation_bench: compile and whole/sparse).
+long first_native_evaluation(NativeCode code) {
+  constexpr long kPaid = 1500;
+  switch (code) {
+    case NativeCode::kAlways:
+      return 0;
+    case NativeCode::kNever:
+      return -1;
+    default:
+      return kPaid;
+  }
+}
+
 std::vector<int> drives_with_motion(const DynamicsModel& model) {
   std::vector<int> out;
   for (int i = 0; i < model.nu(); ++i) {
@@ -59,6 +73,7 @@ Run::Run(std::shared_ptr<const DynamicsModel> model, const SimulationOptions& op
       control_steps_(local_tolerance(options), std::max(options.grid.t_end, options.grid.every), looser),
       driven_(evaluator_.driven()),
       off_(model_->drives.size(), false) {
+  evaluator_.use_native_code_from(first_native_evaluation(options.native_code));
   for (int i = 0; i < model_->nu(); ++i) {
     const std::string& name = system().model->drives()[model_->drives[i].drive.index()].name;
     const auto& off = options.drives_off;
@@ -178,6 +193,7 @@ void Run::choose_method() {
   adaptive_ = !options_.step && stepper_->error_order() > 0;
   summary_.method = std::string(to_string(integrator));
   if (adaptive_) {
+    evaluator_.close_to(1e-4 * local_tolerance(options_) * evaluator_.scaling().length_m);
     summary_.method += fmt::format(", tolerance {:g}", options_.tolerance.value_or(kDefaultTolerance));
   } else {
     step_ = std::min(options_.step.value_or(options_.grid.every / 10), options_.grid.every);

@@ -42,6 +42,10 @@ struct RunControl {
   const std::atomic<bool>* stop = nullptr;
 };
 
+/// Whether a run makes native code of its mechanism (dynamics/forward_program.h), or uses what another run of the same
+/// model has made: from the first step, or once it has evaluated so often that making it would have paid.
+enum class NativeCode { kAlways, kWhenItPays, kNever };
+
 struct SimulationOptions {
   OutputGrid grid;
   std::optional<Integrator> integrator;  ///< Else the engine chooses and says so (`RunSummary::method`).
@@ -50,6 +54,7 @@ struct SimulationOptions {
   /// that the local errors stay a thousandth of it per unit of motion; default 1e-9.
   std::optional<double> tolerance;
   std::optional<Formulation> formulation;  ///< Else `recommended_formulation`.
+  NativeCode native_code = NativeCode::kWhenItPays;
   bool with_reactions = true;
   ReactionAxes axes = ReactionAxes::kWorld;
   DistributionOptions distribution;

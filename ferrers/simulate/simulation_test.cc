@@ -55,6 +55,30 @@ TEST(SimulationTest, AllFormulationsRunTheSame) {
   }
 }
 
+// What is made of the equations is a matter of time, not of the motion. From the 1500th evaluation on a run may change
+// over to native code by itself.
+TEST(SimulationTest, NativeCodeRunsTheSameFromTheStartFromLaterOnOrNever) {
+  for (const ModelSpec& spec : {make_bricard(BricardRods::kBricks), make_n_four_bar(12, 0, 1)}) {
+    SimulationOptions options = plain_run(2, 0.5);
+    options.tolerance = 1e-11;
+    std::vector<RunSummary> runs;
+    std::vector<std::vector<double>> ends;
+    for (const NativeCode code : {NativeCode::kNever, NativeCode::kWhenItPays, NativeCode::kAlways}) {
+      options.native_code = code;
+      const ProbedRun run = probe_run(spec, options);
+      ASSERT_EQ(run.summary.status, RunStatus::kFinished) << run.summary.message;
+      runs.push_back(run.summary);
+      ends.push_back(run.samples.back().values);
+    }
+    EXPECT_GT(runs[1].evaluations, 2000) << "so that it changes over";
+    for (std::size_t k = 1; k < ends.size(); ++k) {
+      for (std::size_t i = 0; i < ends[k].size(); ++i) {
+        EXPECT_NEAR(ends[k][i], ends[0][i], 1e-8 * (1 + std::abs(ends[0][i]))) << k << ", column " << i;
+      }
+    }
+  }
+}
+
 TEST(SimulationTest, RowsDoNotDependOnHowOftenTheyAreAsked) {
   const ProbedRun coarse = probe_run(make_bricard(BricardRods::kBricks), plain_run(1, 0.5));
   const ProbedRun fine = probe_run(make_bricard(BricardRods::kBricks), plain_run(1, 0.01));

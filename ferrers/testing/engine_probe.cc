@@ -84,7 +84,7 @@ AbsoluteState absolute_state(const System& system, const State& state) {
 EngineProbe::EngineProbe(const ModelSpec& spec, const TopologyOptions& options)
     : system(make_system(build_or_throw(spec), options)),
       dynamics(make_dynamics_model(system)),
-      scaling(make_scaling(*system)),
+      scaling(system->scaling),
       eq(make_equations(*dynamics)) {}
 
 State EngineProbe::start() const {
@@ -102,7 +102,7 @@ State EngineProbe::wandered(std::uint64_t seed, double distance, double speed) {
     for (const int i : selection.independent) v[i] = random.between(-size, size);
     if (!selection.rows.empty()) {
       const MatrixXd G_d = eq.constraints.G(selection.rows, selection.dependent);
-      const VectorXd rest = eq.constraints.G(selection.rows, Eigen::all) * v;
+      const VectorXd rest = eq.constraints.G.dense_rows(selection.rows) * v;
       v(selection.dependent) = -G_d.partialPivLu().solve(rest);
     }
     return v;

@@ -47,11 +47,12 @@ inline ProbedRun probe_run(const ModelSpec& spec, const SimulationOptions& optio
   return run;
 }
 
-/// Options of a plain run: rows `every` seconds up to `t_end`, no reactions.
+/// Options of a plain run: rows `every` seconds up to `t_end`, no reactions; native code, however short the run.
 inline SimulationOptions plain_run(double t_end, double every) {
   SimulationOptions options;
   options.grid = {t_end, every};
   options.with_reactions = false;
+  options.native_code = NativeCode::kAlways;
   return options;
 }
 

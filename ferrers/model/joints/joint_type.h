@@ -40,8 +40,8 @@ struct JointFunction {
   Signature<double> numbers = nullptr;
   Signature<Traced> traced = nullptr;
   // Called like a function, with either.
-  operator Signature<double>() const { return numbers; }  // NOLINT(google-explicit-constructor)
-  operator Signature<Traced>() const { return traced; }   // NOLINT(google-explicit-constructor)
+  operator Signature<double>() const { return numbers; }
+  operator Signature<Traced>() const { return traced; }
 };
 
 /// Pose of M in F, in F axes.
