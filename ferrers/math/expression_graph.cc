@@ -2,26 +2,24 @@
 
 #include <bit>
 #include <cmath>
+#include <cstdint>
 #include <utility>
 
 namespace ferrers {
 
 using Op = ExpressionOp;
 
-std::size_t ExpressionGraph::KeyHash::operator()(const Key& key) const {
-  std::uint64_t hash = key.bits + static_cast<std::uint64_t>(key.op);
-  for (const int arg : key.args) {
-    hash = (hash ^ static_cast<std::uint32_t>(arg)) * 0x9e3779b97f4a7c15u;
-    hash ^= hash >> 29;
-  }
-  return static_cast<std::size_t>(hash);
-}
-
 int ExpressionGraph::unique(const Value& value) {
-  const Key key{value.op, value.args, std::bit_cast<std::uint64_t>(value.constant)};
-  const auto [place, inserted] = index_.try_emplace(key, static_cast<int>(values_.size()));
-  if (inserted) values_.push_back(value);
-  return place->second;
+  const auto bits = std::bit_cast<std::uint64_t>(value.constant);
+  std::uint64_t hash = bits + static_cast<std::uint64_t>(value.op);
+  for (const int arg : value.args) hash = mixed(hash ^ static_cast<std::uint32_t>(arg));
+  const int next = static_cast<int>(values_.size());
+  const int number = index_.find_or_add(hash, next, [&](int known) {
+    const Value& one = values_[known];
+    return one.op == value.op && one.args == value.args && std::bit_cast<std::uint64_t>(one.constant) == bits;
+  });
+  if (number == next) values_.push_back(value);
+  return number;
 }
 
 int ExpressionGraph::constant(double value) { return unique({Op::kLiteral, {-1, -1, -1}, value}); }

@@ -1,13 +1,12 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
 #include <span>
 #include <string>
-#include <unordered_map>
 #include <vector>
 
 #include "ferrers/math/expression_node.h"
+#include "ferrers/math/number_index.h"
 
 namespace ferrers {
 
@@ -39,16 +38,6 @@ class ExpressionGraph {
   const std::vector<Value>& values() const { return values_; }
 
  private:
-  struct Key {
-    ExpressionOp op;
-    std::array<int, 3> args;
-    std::uint64_t bits;
-    bool operator==(const Key&) const = default;
-  };
-  struct KeyHash {
-    std::size_t operator()(const Key& key) const;
-  };
-
   int negation(int a);
   int sum(int a, int b);
   int difference(int a, int b);
@@ -59,7 +48,7 @@ class ExpressionGraph {
   int unique(const Value& value);
 
   std::vector<Value> values_;
-  std::unordered_map<Key, int, KeyHash> index_;
+  NumberIndex index_;
 };
 
 }  // namespace ferrers

@@ -169,6 +169,7 @@ class Builder {
 
   StraightCode write_rest(const std::vector<int>& rest) {
     KernelSection section;
+    section.reserve(rest.size());
     std::vector<int>& number = number_;
     number.resize(values_.size(), -1);
     std::vector<int> touched;

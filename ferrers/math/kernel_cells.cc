@@ -1,11 +1,11 @@
 #include "ferrers/math/kernel_cells.h"
 
 #include <algorithm>
-#include <bit>
+#include <cstdint>
 #include <map>
-#include <unordered_map>
 #include <utility>
 
+#include "ferrers/math/number_index.h"
 #include "ferrers/math/straight_code.h"
 
 namespace ferrers {
@@ -29,14 +29,18 @@ class TagSets {
     if (a == b || b == kNone) return a;
     if (a == kNone) return b;
     if (a > b) std::swap(a, b);
-    const auto [place, is_new] = unions_.try_emplace(static_cast<std::uint64_t>(a) << 32 | static_cast<unsigned>(b));
-    if (!is_new) return place->second;
+    const std::uint64_t pair = static_cast<std::uint64_t>(a) << 32U | static_cast<unsigned>(b);
+    const int next = static_cast<int>(unions_.size());
+    const int known = index_.find_or_add(mixed(pair), next, [&](int one) { return unions_[one].first == pair; });
+    if (known != next) return unions_[known].second;
     std::vector<int> all;
     std::set_union(sets_[a].begin(), sets_[a].end(), sets_[b].begin(), sets_[b].end(), std::back_inserter(all));
     const int united = all.size() > kFew ? kMany : number(std::move(all));
-    return unions_[static_cast<std::uint64_t>(a) << 32 | static_cast<unsigned>(b)] = united;
+    unions_.emplace_back(pair, united);
+    return united;
   }
   const std::vector<int>& operator[](int set) const { return sets_[set]; }
+  std::size_t count() const { return sets_.size(); }
 
  private:
   int number(std::vector<int> set) {
@@ -47,7 +51,8 @@ class TagSets {
 
   std::vector<std::vector<int>> sets_;
   std::map<std::vector<int>, int> numbers_;
-  std::unordered_map<std::uint64_t, int> unions_;
+  std::vector<std::pair<std::uint64_t, int>> unions_;  ///< Of two sets.
+  NumberIndex index_;                                  ///< Of these.
 };
 
 class Partition {
@@ -75,7 +80,7 @@ class Partition {
     std::map<Key, KernelCell> cells;
     const std::size_t middle = kFew + 1;
     std::vector<KernelLevel> levels(2 * kFew + 3);
-    std::map<std::pair<std::size_t, int>, KernelCell*> known;
+    std::vector<KernelCell*> known_forward(forward_.count()), known_backward(backward_.count());  // by set
     for (int i = 0; i < static_cast<int>(values_.size()); ++i) {
       if (!is_needed_[i] || !values_[i].is_operation()) continue;
       const bool forward = sources_[i] != kMany;
@@ -86,7 +91,7 @@ class Partition {
       const int set = forward ? sources_[i] : users_[i];
       const std::vector<int>& tags = forward ? forward_[set] : backward_[set];
       const std::size_t level = forward ? tags.size() : 2 * middle - tags.size();
-      KernelCell*& cell = known[{level, set}];
+      KernelCell*& cell = (forward ? known_forward : known_backward)[static_cast<std::size_t>(set)];
       if (cell == nullptr) cell = &cells[{level, tags}];
       cell->values.push_back(i);
     }

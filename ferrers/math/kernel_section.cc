@@ -135,6 +135,8 @@ StraightCode KernelSection::take(int lanes, int repeat, Order order) {
   code.lanes = lanes;
   code.repeat = repeat;
   std::vector<int> number(values_.size(), -1);
+  code.values.reserve(values_.size());
+  code.stores.reserve(stores_.size());
   for (const int index : order == Order::kJustInTime ? just_in_time() : depth_first()) {
     StraightCode::Value value = values_[index];
     for (int& arg : value.args) arg = arg < 0 ? -1 : number[arg];

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <vector>
 
 #include "ferrers/math/straight_code.h"
@@ -13,6 +14,8 @@ namespace ferrers {
 /// wants becomes one instruction with it; operands are computed shortly before they are wanted. Private to math/.
 class KernelSection {
  public:
+  /// Room for so many operations with what they read, beforehand.
+  void reserve(std::size_t operations) { values_.reserve(2 * operations); }
   int constant(double value);
   int memory(const X86Assembler::Operand& place);
   int same_memory(const X86Assembler::Operand& place);  ///< One number for all lanes.

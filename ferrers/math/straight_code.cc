@@ -79,14 +79,7 @@ class Writer {
   Writer(const StraightCode& code, X86Assembler& out)
       : code_(code), values_(code.values), home_(code.values.size()), out_(out) {
     held_.fill(-1);
-    for (int step = static_cast<int>(values_.size()) - 1; step >= 0; --step) {
-      if (!values_[step].is_operation()) continue;
-      for (const int arg : values_[step].args) {
-        if (arg < 0) continue;
-        std::vector<int>& uses = home_[arg].uses;
-        if (uses.empty() || uses.back() != step) uses.push_back(step);
-      }
-    }
+    find_uses();
     for (int i = static_cast<int>(code_.stores.size()) - 1; i >= 0; --i) home_[code_.stores[i].value].store = i;
     for (std::size_t i = 0; i < values_.size(); ++i) {
       if (values_[i].op == static_cast<StraightCode::Op>(Op::kVariable)) home_[i].memory = values_[i].place;
@@ -116,15 +109,38 @@ class Writer {
 
  private:
   struct Home {
-    int xmm = -1;           ///< The register that holds the value, or -1.
-    Operand memory;         ///< Where it is in memory, unless `in_register`: nowhere.
-    int slot = -1;          ///< That is this place of the scratch, or -1.
-    int store = -1;         ///< The first store of it, or -1.
-    std::vector<int> uses;  ///< At which steps, the next one last.
-    int next_use() const { return uses.empty() ? kNever : uses.back(); }
-    bool is_used_after(int step) const { return !uses.empty() && uses.front() > step; }
+    int xmm = -1;               ///< The register that holds the value, or -1.
+    Operand memory;             ///< Where it is in memory, unless `in_register`: nowhere.
+    int slot = -1;              ///< That is this place of the scratch, or -1.
+    int store = -1;             ///< The first store of it, or -1.
+    const int* uses = nullptr;  ///< At which steps from now on; as many as `uses_left`.
+    int uses_left = 0;
+    int next_use() const { return uses_left == 0 ? kNever : *uses; }
+    bool is_used_after(int step) const { return uses_left > 0 && uses[uses_left - 1] > step; }
     bool is_in_memory() const { return !memory.in_register; }
   };
+
+  // Steps that read each value, in order, those of one value side by side.
+  void find_uses() {
+    std::vector<int> begin(values_.size() + 1, 0);
+    const auto for_each = [this](const auto& take) {
+      for (int step = 0; step < static_cast<int>(values_.size()); ++step) {
+        if (!values_[step].is_operation()) continue;
+        const auto& [a, b, c] = values_[step].args;
+        if (a >= 0) take(a, step);
+        if (b >= 0 && b != a) take(b, step);
+        if (c >= 0 && c != a && c != b) take(c, step);
+      }
+    };
+    for_each([&](int value, int) { ++begin[static_cast<std::size_t>(value) + 1]; });
+    for (std::size_t i = 0; i < values_.size(); ++i) begin[i + 1] += begin[i];
+    uses_.resize(static_cast<std::size_t>(begin.back()));
+    for (std::size_t i = 0; i < values_.size(); ++i) home_[i].uses = uses_.data() + begin[i];
+    for_each([&](int value, int step) {
+      Home& home = home_[value];
+      uses_[static_cast<std::size_t>(begin[value] + home.uses_left++)] = step;
+    });
+  }
 
   // ---- one step ------------------------------------------------------------------------------------------------
 
@@ -323,8 +339,11 @@ class Writer {
   // This step has read the value.
   void pass(int index) {
     Home& home = home_[index];
-    if (!home.uses.empty() && home.uses.back() <= now_) home.uses.pop_back();
-    if (!home.uses.empty()) return;
+    if (home.uses_left > 0 && *home.uses <= now_) {
+      ++home.uses;
+      --home.uses_left;
+    }
+    if (home.uses_left > 0) return;
     if (home.xmm >= 0) release(home.xmm);
     if (home.slot >= 0) {
       passed_slots_.push_back(home.slot);  // free after this step, which still reads it
@@ -387,7 +406,7 @@ class Writer {
       home.memory = code_.stores[home.store].to;
       out_.store(home.memory, xmm);
     }
-    if (home.uses.empty()) return;
+    if (home.uses_left == 0) return;
     home.xmm = xmm;
     held_[xmm] = index;
   }
@@ -395,6 +414,7 @@ class Writer {
   const StraightCode& code_;
   const std::vector<StraightCode::Value>& values_;
   std::vector<Home> home_;
+  std::vector<int> uses_;
   X86Assembler& out_;
   std::array<int, kRegisters> held_{};  ///< Which value each register holds, or -1.
   std::vector<int> free_slots_, passed_slots_, partner_;
