@@ -30,11 +30,12 @@ SimulationOptions last_row_only(double t_end) {
   return simulation;
 }
 
-void measure_sweep(benchmark::State& run, std::size_t count, double t_end, int threads) {
+void measure_sweep(benchmark::State& run, std::size_t count, double t_end, int threads, Formulation formulation) {
   const Model model = bricard();
   const ParameterTable table = thicknesses(count);
   VariantsOptions options;
   options.simulation = last_row_only(t_end);
+  options.simulation.formulation = formulation;
   options.threads = threads;
   double evaluations = 0;
   bool all_finished = true;
@@ -70,14 +71,16 @@ void measure_parts(benchmark::State& run, int parts) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  for (const int threads : {1, 2}) {
-    for (const double t_end : {10.0, 1.0}) {
-      const std::string name =
-          "sweep_10000/" + std::to_string(static_cast<int>(t_end)) + "_s/threads:" + std::to_string(threads);
-      benchmark::RegisterBenchmark(name.c_str(), measure_sweep, std::size_t{10'000}, t_end, threads)
-          ->Unit(benchmark::kMillisecond)
-          ->Iterations(1)
-          ->UseRealTime();
+  for (const Formulation formulation : {Formulation::kSparse, Formulation::kNullSpace}) {
+    for (const int t_end : {10, 1}) {
+      for (const int threads : {1, 2}) {
+        const std::string name = "sweep_10000/" + std::string(to_string(formulation)) + "/" + std::to_string(t_end) +
+                                 "_s/threads:" + std::to_string(threads);
+        benchmark::RegisterBenchmark(name.c_str(), measure_sweep, std::size_t{10'000}, t_end, threads, formulation)
+            ->Unit(benchmark::kMillisecond)
+            ->Iterations(1)
+            ->UseRealTime();
+      }
     }
   }
   benchmark::RegisterBenchmark("model", measure_parts, 0)->Unit(benchmark::kMicrosecond);

@@ -38,10 +38,10 @@ void describe(CLI::App& command) {
   command.get_formatter()->label("REQUIRED", "");
   command.footer(
       "Examples:\n"
-      "  ferrers analyze model.yaml            which constraints are redundant, which reactions are unique\n"
-      "  ferrers simulate model.yaml --end 10  how it moves under its forces\n"
-      "  ferrers sweep model.yaml --vary 'length=1:2:100'  the same for many values of a parameter\n"
-      "  ferrers new door -o door.yaml         a model to start from\n"
+      "  ferrers analyze model.yaml              which constraints are redundant, which reactions are unique\n"
+      "  ferrers simulate model.yaml --end 10    how it moves under its forces\n"
+      "  ferrers sweep model.yaml --table p.csv  where that ends for many sets of parameter values\n"
+      "  ferrers new door -o door.yaml           a model to start from\n"
       "\n'ferrers help VERB', or 'ferrers VERB --help', tells the options of a verb. Results go to stdout, progress "
       "and\n"
       "diagnostics to stderr. NO_COLOR is honoured.");

@@ -1,4 +1,7 @@
 #include <fmt/format.h>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
@@ -36,6 +39,15 @@ struct Options {
   int threads = std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, kMostThreads);
   bool resume = false;
 };
+
+/// Every variant makes and forgets the same megabyte: it stays with the process instead of going to the system and
+/// back, which would cost a tenth of the time.
+void keep_memory() {
+#ifdef __GLIBC__
+  mallopt(M_TRIM_THRESHOLD, 1 << 28);
+  mallopt(M_MMAP_THRESHOLD, 1 << 25);  // the most that it takes
+#endif
+}
 
 std::string find_fault(const Options& options) {
   if (options.table.empty() == options.ranges.empty()) {
@@ -94,6 +106,7 @@ class Sweep {
     if (error.empty()) error = write_summary();
     if (!error.empty()) return command_line_error(error);
     catch_interrupts();
+    keep_memory();
     simulate();
     error = rows_.close();
     document_.status = document_.tally.count() == table_.rows() ? SweepStatus::kFinished : SweepStatus::kInterrupted;
@@ -201,7 +214,7 @@ void add_options(CLI::App& verb, Options& options) {
   add_method_options(verb, options.simulation);
   verb.add_option("--jobs", options.threads, "threads that share the variants [as many as there are processors]")
       ->type_name("N")
-      ->check(CLI::Range(1, kMostThreads));
+      ->check(CLI::Range(1, kMostThreads).description(""));
   verb.add_flag("--resume", options.resume, "go on behind the rows that are in the folder already");
 }
 

@@ -4,9 +4,11 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <fstream>
 
 #include "ferrers/io/model_reader.h"
+#include "ferrers/testing/random_source.h"
 
 namespace ferrers {
 namespace {
@@ -147,6 +149,28 @@ TEST(ParameterTableTest, FilesThatCannotBeReadAreToldSo) {
   EXPECT_THAT(good.table->values, ElementsAre(3));
   EXPECT_EQ(good.diagnostics.file(), large.string());
   fs::remove(large);
+}
+
+TEST(ParameterTableTest, AnyTextIsATableOrHasErrors) {
+  const Model model = a_model();
+  const std::vector<std::string> pieces = {"1",  "2.5", "3 kg", "1e-3", ",",    ",",   "\n",     "\n", "\r\n", " ",
+                                           "\"", ";",   "\t",   "#",    "mass", "nan", "length", "-",  "=",    "."};
+  witness::RandomSource random(7);
+  int good = 0;
+  for (int i = 0; i < 3000; ++i) {
+    std::string text = random.chance(0.3) ? "" : random.chance(0.5) ? "mass\n1" : "mass,length\n1,2";
+    for (int length = random.below(8); length > 0; --length) {
+      text += pieces[static_cast<std::size_t>(random.below(static_cast<int>(pieces.size())))];
+    }
+    const ParameterTableResult result = read_parameter_table_text(text, "t.csv", model);
+    ASSERT_EQ(result.table.has_value(), !result.diagnostics.has_errors()) << text;
+    if (!result.table) continue;
+    ++good;
+    ASSERT_GT(result.table->rows(), 0u) << text;
+    ASSERT_EQ(result.table->values.size(), result.table->rows() * result.table->names.size()) << text;
+    for (const double value : result.table->values) ASSERT_TRUE(std::isfinite(value)) << text;
+  }
+  EXPECT_GT(good, 5);
 }
 
 // ---- grids

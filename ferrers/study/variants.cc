@@ -30,14 +30,14 @@ class Queue {
   /// The next row; none when there is nothing more to do. Waits where too much is ahead of the row that is due.
   std::optional<std::size_t> take() {
     std::unique_lock lock(mutex_);
-    room_.wait(lock, [this] { return closed_ || next_ < due_ + most_waiting_ || next_ >= end_; });
-    if (closed_ || next_ >= end_ || is_stopped()) return std::nullopt;
+    room_.wait(lock, [this] { return ended_ || next_ < due_ + most_waiting_ || next_ >= end_; });
+    if (ended_ || next_ >= end_ || is_stopped()) return std::nullopt;
     return next_++;
   }
 
   void put(VariantResult result) {
     const std::lock_guard lock(mutex_);
-    if (closed_) return;
+    if (broken_) return;
     waiting_.emplace(result.index, std::move(result));
     for (auto it = waiting_.begin(); it != waiting_.end() && it->first == due_; it = waiting_.erase(it), ++due_) {
       if (control_.on_result) control_.on_result(it->second);
@@ -45,10 +45,11 @@ class Queue {
     room_.notify_all();
   }
 
-  /// Nothing is handed out or told any more.
-  void close() {
+  /// Nothing is handed out any more; with `broken`, nothing is told either. A row that was taken may stay undone.
+  void end(bool broken = false) {
     const std::lock_guard lock(mutex_);
-    closed_ = true;
+    ended_ = true;
+    broken_ = broken_ || broken;
     room_.notify_all();
   }
 
@@ -62,7 +63,7 @@ class Queue {
   std::map<std::size_t, VariantResult> waiting_;  ///< By row; not that which is due.
   std::size_t next_, due_;                        ///< To be handed out; to be told.
   std::size_t end_, most_waiting_;
-  bool closed_ = false;
+  bool ended_ = false, broken_ = false;
 };
 
 }  // namespace
@@ -109,12 +110,12 @@ std::size_t simulate_variants(const Model& model, const ParameterTable& table, c
     try {
       while (const auto row = queue.take()) {
         VariantResult result = simulate_variant(model, table.names, table.row(*row), simulation, control.stop);
-        if (result.run == RunStatus::kStopped) return;
+        if (result.run == RunStatus::kStopped) return queue.end();  // others may wait for this very row
         result.index = *row;
         queue.put(std::move(result));
       }
     } catch (...) {
-      queue.close();  // others may wait for this very row
+      queue.end(/*broken=*/true);
       throw;
     }
   };

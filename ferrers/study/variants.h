@@ -55,10 +55,11 @@ struct VariantsControl {
 
 /// Simulates the variants `options.first` … of `table`. Returns how many were told: all, if nothing stopped it.
 ///
-/// Each is the simulation of `model->with_parameters` of its row. Throws std::invalid_argument for fewer threads than
-/// one or rows that the table lacks, and what a callback or a user's own functions throw, when all threads have ended.
-/// Cost: that of the simulations over `options.threads`, and of building each model; what has ended before its turn is
-/// kept, a few results per thread for each that takes long.
+/// Each is the simulation of `model.with_parameters` of its row. A user's own functions (`LagrangianSystem`) are called
+/// by several threads at once. Throws std::invalid_argument for fewer threads than one or rows that the table lacks,
+/// and what a callback or a user's own functions throw, when all threads have ended. Cost: that of building and
+/// simulating the models, shared by the threads; results that wait for an earlier one are kept, a thousand per thread
+/// at most.
 std::size_t simulate_variants(const Model& model, const ParameterTable& table, const VariantsOptions& options,
                               const VariantsControl& control);
 

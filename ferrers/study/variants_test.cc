@@ -3,8 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <chrono>
 #include <cmath>
-#include <cstring>
 #include <stdexcept>
 #include <thread>
 
@@ -167,6 +168,28 @@ TEST(VariantsTest, AStopKeepsWhatIsToldAndTellsNothingMore) {
   EXPECT_EQ(done, told);
   EXPECT_GE(done, 5u);
   EXPECT_LT(done, 20u);
+}
+
+// While the first variant swings, the others, which are no models, come as far ahead of it as they may.
+TEST(VariantsTest, AStopEndsAlsoThoseThatWaitForAnEarlierVariant) {
+  const Model model = read_model(R"(ferrers: 1
+parameters: {m: 2 kg}
+bodies: {b: {mass: = m, com: [1, 0, 0]}}
+joints: {g: {type: revolute, bodies: [ground, b], at: [0, 0, 0], axis: y}}
+)");
+  ParameterTable table;
+  table.names = {"m"};
+  table.values.assign(20000, -1);
+  table.values[0] = 1;
+  std::atomic<bool> stop = false;
+  VariantsControl control;
+  control.stop = &stop;
+  std::thread stopper([&stop] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    stop = true;
+  });
+  EXPECT_EQ(simulate_variants(model, table, options(1e6, 3), control), 0u);
+  stopper.join();
 }
 
 TEST(VariantsTest, RowsBeforeTheFirstAreLeftOut) {
