@@ -45,6 +45,7 @@ TEST_F(CommandTest, HelpAndVersionAreResultsAndNotErrors) {
                                                     {"--version"},
                                                     {"analyze", "--help"},
                                                     {"simulate", "-h"},
+                                                    {"sweep", "--help"},
                                                     {"inverse", "--help"},
                                                     {"kinematics", "--help"},
                                                     {"equilibrium", "--help"},
@@ -62,11 +63,11 @@ TEST_F(CommandTest, HelpAndVersionAreResultsAndNotErrors) {
 
 TEST_F(CommandTest, HelpListsWhatThereIsAndNothingElse) {
   const std::string help = run({"--help"}).output;
-  for (const char* verb : {"analyze", "inverse", "simulate", "kinematics", "equilibrium", "linearize", "equations",
-                           "schema", "new", "doctor"}) {
+  for (const char* verb : {"analyze", "inverse", "simulate", "sweep", "kinematics", "equilibrium", "linearize",
+                           "equations", "schema", "new", "doctor"}) {
     EXPECT_THAT(help, HasSubstr("\n  " + std::string(verb) + " "));
   }
-  for (const char* verb : {"view", "report", "sweep", "optimize", "plot", "convert"}) {
+  for (const char* verb : {"view", "report", "optimize", "plot", "convert"}) {
     EXPECT_THAT(help, Not(HasSubstr("\n  " + std::string(verb) + " ")));
   }
   EXPECT_THAT(run({"simulate", "--help"}).output, HasSubstr("Examples:"));
@@ -103,7 +104,7 @@ TEST_F(CommandTest, HelpIsAlsoAWordAndTellsTheSame) {
     EXPECT_EQ(result.output, general) << testing::PrintToString(arguments);
     EXPECT_THAT(result.errors, IsEmpty());
   }
-  for (const std::string verb : {"analyze", "inverse", "simulate", "kinematics", "equilibrium", "linearize",
+  for (const std::string verb : {"analyze", "inverse", "simulate", "sweep", "kinematics", "equilibrium", "linearize",
                                  "equations", "schema", "new", "doctor"}) {
     const Result result = run({"help", verb});
     EXPECT_EQ(result.exit_code, 0) << verb;

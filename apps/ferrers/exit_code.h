@@ -8,6 +8,7 @@ enum ExitCode : int {
   kExitModel = 3,         ///< The model has errors, or is not fit for what was asked.
   kExitNotAssembled = 4,  ///< The mechanism cannot be assembled, or its initial values contradict each other.
   kExitSolve = 5,         ///< The integration or a solve failed; what was computed is kept.
+  kExitVariants = 6,      ///< A sweep went to its end, but some variants failed; their rows tell why.
   kExitOurBug = 70,
   kExitInterrupted = 130,  ///< What was finished is kept.
 };

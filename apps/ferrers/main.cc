@@ -24,8 +24,8 @@ namespace {
 
 // One line per verb.
 constexpr void (*kVerbs[])(CLI::App&, Job&) = {
-    add_analyze,   add_inverse,   add_simulate, add_kinematics, add_equilibrium,
-    add_linearize, add_equations, add_schema,   add_new,        add_doctor,
+    add_analyze,   add_inverse,   add_simulate, add_sweep, add_kinematics, add_equilibrium,
+    add_linearize, add_equations, add_schema,   add_new,   add_doctor,
 };
 
 void describe(CLI::App& command) {
@@ -38,9 +38,10 @@ void describe(CLI::App& command) {
   command.get_formatter()->label("REQUIRED", "");
   command.footer(
       "Examples:\n"
-      "  ferrers analyze model.yaml            which constraints are redundant, which reactions are unique\n"
-      "  ferrers simulate model.yaml --end 10  how it moves under its forces\n"
-      "  ferrers new door -o door.yaml         a model to start from\n"
+      "  ferrers analyze model.yaml              which constraints are redundant, which reactions are unique\n"
+      "  ferrers simulate model.yaml --end 10    how it moves under its forces\n"
+      "  ferrers sweep model.yaml --table p.csv  where that ends for many sets of parameter values\n"
+      "  ferrers new door -o door.yaml           a model to start from\n"
       "\n'ferrers help VERB', or 'ferrers VERB --help', tells the options of a verb. Results go to stdout, progress "
       "and\n"
       "diagnostics to stderr. NO_COLOR is honoured.");

@@ -52,9 +52,8 @@ std::string painted(const std::string& text, const Style& style) {
   return out;
 }
 
-void print_diagnostic(const Diagnostic& one, const LoadedModel& loaded) {
-  const std::string text = format_diagnostic(one, loaded.diagnostics.file(), loaded.source);
-  print(stderr, painted(text, Style(stderr)) + "\n");
+void print_diagnostic(const Diagnostic& one, const std::string& file, std::string_view source) {
+  print(stderr, painted(format_diagnostic(one, file, source), Style(stderr)) + "\n");
 }
 
 /// Where a joint or coupling is named in the file.
@@ -121,13 +120,17 @@ LoadedModel load_model(const ModelOptions& options) {
   loaded.diagnostics = std::move(result.diagnostics);
   loaded.source = std::move(result.source);
   if (result.model) loaded.model = std::make_shared<const Model>(std::move(*result.model));
-  for (const Diagnostic& one : loaded.diagnostics.items()) print_diagnostic(one, loaded);
+  print_diagnostics(loaded.diagnostics, loaded.source);
   return loaded;
+}
+
+void print_diagnostics(const Diagnostics& diagnostics, std::string_view source) {
+  for (const Diagnostic& one : diagnostics.items()) print_diagnostic(one, diagnostics.file(), source);
 }
 
 void report(LoadedModel& loaded, std::string_view code, SourceRange at, std::string message, std::string hint) {
   loaded.diagnostics.error(code, at, std::move(message), std::move(hint));
-  print_diagnostic(loaded.diagnostics.items().back(), loaded);
+  print_diagnostic(loaded.diagnostics.items().back(), loaded.diagnostics.file(), loaded.source);
 }
 
 ModelSpec edited_spec(const ModelOptions& options, const LoadedModel& loaded) {

@@ -34,6 +34,9 @@ struct LoadedModel {
 /// Reads the model and prints its diagnostics to stderr.
 LoadedModel load_model(const ModelOptions& options);
 
+/// Prints diagnostics to stderr; `source` is the text of their file.
+void print_diagnostics(const ferrers::Diagnostics& diagnostics, std::string_view source);
+
 /// Adds and prints one more.
 void report(LoadedModel& loaded, std::string_view code, ferrers::SourceRange at, std::string message,
             std::string hint = {});

@@ -1,24 +1,20 @@
 #include "run_verb.h"
 
 #include <fmt/format.h>
-#include <signal.h>
 
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 #include <algorithm>
-#include <array>
-#include <atomic>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 #include <limits>
-#include <system_error>
-#include <variant>
 
 #include "exit_code.h"
 #include "ferrers/core/closest_name.h"
 #include "ferrers/io/run_folder.h"
+#include "interrupts.h"
+#include "output_folder.h"
+#include "progress_bar.h"
 #include "run_text.h"
 #include "terminal.h"
 
@@ -26,86 +22,24 @@ using namespace ferrers;  // NOLINT(google-build-using-namespace)
 
 namespace {
 
-namespace fs = std::filesystem;
-using Clock = std::chrono::steady_clock;
-
 constexpr double kMostRows = 1e8;
-
-std::atomic<bool> stop_asked{false};  // the one thing that a signal handler may touch
-
-extern "C" void ask_to_stop(int) { stop_asked = true; }
-
-/// The first SIGINT or SIGTERM asks the run to end after its step, the second one kills.
-void catch_interrupts() {
-  struct sigaction action = {};
-  action.sa_handler = ask_to_stop;
-  action.sa_flags = static_cast<int>(SA_RESETHAND);
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
-}
-
-/// A bar on stderr, only on a terminal, only for runs that take longer than half a second.
-class Progress {
- public:
-  explicit Progress(double t_end) : t_end_(t_end), shown_(is_terminal(stderr)) {}
-  ~Progress() {
-    if (drawn_) print(stderr, "\r\033[K");
-  }
-  Progress(const Progress&) = delete;
-  Progress& operator=(const Progress&) = delete;
-
-  void update(double t) {
-    if (!shown_ || Clock::now() < next_) return;
-    next_ = Clock::now() + std::chrono::milliseconds(100);
-    const double done = t_end_ > 0 ? std::min(1.0, std::max(0.0, t / t_end_)) : 1.0;
-    const int cells = static_cast<int>(done * 40);
-    print(stderr, fmt::format("\r\033[K  [{:=<{}}{:<{}}] t = {:.4g} of {:.4g} s, Ctrl-C keeps what is done", "", cells,
-                              "", 40 - cells, t, t_end_));
-    std::fflush(stderr);
-    drawn_ = true;
-  }
-
- private:
-  double t_end_;
-  bool shown_, drawn_ = false;
-  Clock::time_point next_ = Clock::now() + std::chrono::milliseconds(500);
-};
-
-/// A name that is one folder on any system.
-std::string folder_name(std::string name) {
-  for (char& c : name) {
-    const bool plain =
-        (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
-    if (!plain && c != '.') c = '_';
-  }
-  return name.empty() || name[0] == '.' ? "_" + name : name;
-}
 
 /// Everything that a run writes into its folder, made when the first row is known.
 class Output {
  public:
   Output(const RunTask& task, const RunOptions& options, const LoadedModel& loaded)
-      : task_(task), options_(options), loaded_(loaded) {
-    folder_ = options.folder.empty() ? fs::path("out") / folder_name(loaded.model->name() + "-" + task.verb)
-                                     : fs::path(options.folder);
-    const bool json = fs::path(options.model.file).extension() == ".json" && !options.model.changed();
-    model_file_ = json ? "model.json" : "model.yaml";
-    std::error_code ignored;
-    holds_model_ = fs::equivalent(folder_ / model_file_, options.model.file, ignored);
-  }
+      : task_(task),
+        options_(options),
+        loaded_(loaded),
+        folder_(options.folder, task.verb, "result.csv", options.model, loaded) {}
 
   const std::string& error() const { return error_; }
-  /// A folder of somebody else's: with files that a run would replace, but not a run's.
-  bool is_foreign() const {
-    std::error_code ignored;
-    return !holds_model_ && fs::exists(folder_ / model_file_, ignored) && !fs::exists(folder_ / "result.csv", ignored);
-  }
-  bool would_overwrite_the_model() const { return holds_model_ && options_.model.changed(); }
-  std::string folder() const { return folder_.string(); }
+  const OutputFolder& folder() const { return folder_; }
   bool begun() const { return begun_; }
   long rows() const { return rows_; }
   std::string files() const {
-    return fmt::format("result.csv, {}summary.json, {}", task_.with_reactions ? "reactions.csv, " : "", model_file_);
+    return fmt::format("result.csv, {}summary.json, {}", task_.with_reactions ? "reactions.csv, " : "",
+                       folder_.model_file());
   }
 
   void add(const DynamicsModel& dynamics, const RunSample& sample) {
@@ -123,7 +57,7 @@ class Output {
   void flush_if_due() { rows_file_.flush_if_due(); }
   void close() { keep(rows_file_.close()); }
   void write_summary(const std::string& text) {
-    if (begun_ && error_.empty()) keep(write_file_whole(folder_ / "summary.json", text));
+    if (begun_ && error_.empty()) keep(write_file_whole(folder_.path() / "summary.json", text));
   }
 
  private:
@@ -147,48 +81,19 @@ class Output {
     begun_ = true;
     drives_ = DrivePeaks(dynamics);
     const ReactionNames reactions = task_.with_reactions ? name_reactions(*loaded_.model) : ReactionNames();
-    keep(rows_file_.open(folder_, run_columns(dynamics), reactions, options_.distribution.range.has_value()));
-    if (!error_.empty()) return;
-    if (!holds_model_) keep(write_file_whole(folder_ / model_file_, model_text(options_.model, loaded_)));
-    copy_law_files();
-  }
-
-  /// The model names its law files relative to itself: they go along with it.
-  void copy_law_files() {
-    const auto copy = [this](const auto& laws) {
-      for (const LawSpec& law : laws) {
-        if (!law.file.empty()) copy_law_file(law.file);
-      }
-    };
-    for (const DriveSpec& drive : loaded_.model->spec().drives) {
-      copy(drive.motion);
-      copy(drive.effort);
-    }
-    for (const auto& [coordinate, law] : loaded_.model->spec().motions) copy(std::array<LawSpec, 1>{law});
-    for (const ForceSpec& force : loaded_.model->spec().forces) {
-      if (const auto* load = std::get_if<LoadSpec>(&force.element)) copy(load->components);
-    }
-  }
-
-  void copy_law_file(const std::string& name) {
-    const fs::path from = fs::path(options_.model.file).parent_path() / name, to = folder_ / name;
-    std::error_code failed;
-    if (fs::equivalent(from, to, failed)) return;
-    fs::create_directories(to.parent_path(), failed);
-    failed.clear();
-    fs::copy_file(from, to, fs::copy_options::overwrite_existing, failed);
-    if (failed) keep(fmt::format("'{}' cannot be copied to the run's folder", name));
+    keep(rows_file_.open(folder_.path(), run_columns(dynamics), reactions, options_.distribution.range.has_value()));
+    if (error_.empty()) keep(folder_.write_model());
   }
 
   const RunTask& task_;
   const RunOptions& options_;
   const LoadedModel& loaded_;
-  fs::path folder_;
-  std::string model_file_, error_;
+  OutputFolder folder_;
+  std::string error_;
   RunFolder rows_file_;
   DrivePeaks drives_;
   RunSample partial_;
-  bool begun_ = false, holds_model_ = false;
+  bool begun_ = false;
   long rows_ = 0;
 };
 
@@ -237,25 +142,19 @@ void print_not_run(const RunTask& task, const RunOptions& options, const LoadedM
 int run(const RunTask& task, const RunOptions& options, LoadedModel& loaded,
         const std::shared_ptr<const DynamicsModel>& dynamics) {
   Output output(task, options, loaded);
-  if (output.would_overwrite_the_model()) {
-    return command_line_error(
-        fmt::format("the folder '{}' holds the model file itself; take another -o", output.folder()));
-  }
-  if (output.is_foreign()) {
-    return command_line_error(
-        fmt::format("the folder '{}' holds a model, but no run: nothing is replaced there; take "
-                    "another -o",
-                    output.folder()));
-  }
+  if (const std::string refusal = output.folder().refusal(); !refusal.empty()) return command_line_error(refusal);
   RunSummary summary;
   catch_interrupts();
   {
-    Progress progress(options.grid.t_end);
+    ProgressBar progress;
+    const double t_end = options.grid.t_end;
     RunControl control;
     control.stop = &stop_asked;
     control.on_sample = [&](const RunSample& sample) { output.add(*dynamics, sample); };
     control.on_progress = [&](double t) {
-      progress.update(t);
+      if (progress.is_due()) {
+        progress.draw(t_end > 0 ? t / t_end : 1, fmt::format("t = {:.4g} of {:.4g} s", t, t_end));
+      }
       output.flush_if_due();
     };
     summary = task.run(dynamics, control);
@@ -272,7 +171,7 @@ int run(const RunTask& task, const RunOptions& options, LoadedModel& loaded,
   document.with_reactions = task.with_reactions;
   document.joints = name_reactions(*loaded.model).joints;
   document.drives = output.drives();
-  if (output.begun()) document.folder = output.folder();
+  if (output.begun()) document.folder = output.folder().path().string();
   document.diagnostics = &loaded.diagnostics;
   const std::string json = write_summary_json(document);
   output.write_summary(json);

@@ -4,9 +4,9 @@
 #include <CLI/Formatter.hpp>
 #include <filesystem>
 #include <memory>
-#include <vector>
 
 #include "ferrers/io/run_restart.h"
+#include "method_options.h"
 #include "run_verb.h"
 #include "verbs.h"
 
@@ -21,46 +21,8 @@ struct Options {
   bool quick = false;
 };
 
-std::vector<std::string> formulation_names() {
-  std::vector<std::string> names;
-  for (const Formulation one : kFormulations) names.emplace_back(to_string(one));
-  return names;
-}
-
-void add_method_options(CLI::App& verb, Options& options) {
-  verb.add_option_function<std::string>(
-          "--integrator",
-          [&options](const std::string& name) {
-            if (const auto found = find_integrator(name)) options.simulation.integrator = *found;
-          },
-          fmt::format("{} [the first]", fmt::join(integrator_names(), ", ")))
-      ->type_name("NAME")
-      ->check(one_of(integrator_names()));
-  verb.add_option_function<double>(
-          "--step", [&options](const double& value) { options.simulation.step = value; }, "fixed step, s")
-      ->type_name("DT")
-      ->check(positive_number());
-  verb.add_option_function<double>(
-          "--tolerance", [&options](const double& value) { options.simulation.tolerance = value; },
-          "what positions may be off by, rad or characteristic lengths, with steps that adapt [1e-9]; not with --step")
-      ->type_name("TOL")
-      ->check(positive_number());
-  verb.add_option_function<std::string>(
-          "--formulation",
-          [&options](const std::string& name) { options.simulation.formulation = find_formulation(name); },
-          fmt::format("{} [{}]", fmt::join(formulation_names(), ", "), to_string(recommended_formulation())))
-      ->type_name("NAME")
-      ->check(one_of(formulation_names()));
-  verb.add_flag("--driven", options.simulation.driven,
-                "drives with a motion law follow it, the others act by their effort");
-  verb.add_option("--restart", options.restart, "go on from where the run in this folder ended")->type_name("FOLDER");
-  verb.add_flag("--quick", options.quick, "without the second run that estimates the error");
-}
-
 int simulate_model(const Options& options) {
-  if (options.simulation.step && options.simulation.tolerance) {
-    return command_line_error("--step fixes the step, --tolerance adapts it: take one of them");
-  }
+  if (const std::string fault = find_fault(options.simulation); !fault.empty()) return command_line_error(fault);
   if (!options.restart.empty()) {
     std::error_code ignored;
     if (std::filesystem::equivalent(options.restart, options.run.folder, ignored)) {
@@ -98,7 +60,9 @@ void add_simulate(CLI::App& command, Job& job) {
   auto options = std::make_shared<Options>();
   CLI::App* verb = command.add_subcommand("simulate", "forces in, motion and joint reactions out");
   add_run_options(*verb, options->run, true);
-  add_method_options(*verb, *options);
+  add_method_options(*verb, options->simulation);
+  verb->add_option("--restart", options->restart, "go on from where the run in this folder ended")->type_name("FOLDER");
+  verb->add_flag("--quick", options->quick, "without the second run that estimates the error");
   verb->footer(
       "Examples:\n"
       "  ferrers simulate examples/bricard-a04/model.yaml --end 10 -o out/a04\n"

@@ -10,6 +10,7 @@ using Job = std::function<int()>;
 void add_analyze(CLI::App& command, Job& job);
 void add_inverse(CLI::App& command, Job& job);
 void add_simulate(CLI::App& command, Job& job);
+void add_sweep(CLI::App& command, Job& job);
 void add_kinematics(CLI::App& command, Job& job);
 void add_equilibrium(CLI::App& command, Job& job);
 void add_linearize(CLI::App& command, Job& job);

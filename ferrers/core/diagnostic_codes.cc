@@ -21,6 +21,7 @@ const std::vector<DiagnosticCode>& diagnostic_codes() {
       {"F113", "key is not a plain word"},
       {"F114", "directive"},
       {"F115", "tab in an indentation"},
+      {"F116", "line of a table"},
       {"F201", "unknown key"},
       {"F202", "missing key"},
       {"F203", "wrong type of value"},

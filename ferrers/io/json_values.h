@@ -5,7 +5,7 @@
 
 #include "ferrers/core/diagnostics.h"
 
-/// JSON values that several writers share. Internal to io: the public headers return text.
+/// JSON values that several writers share. Internal to the writers: the public headers return text.
 namespace ferrers {
 
 using OrderedJson = nlohmann::ordered_json;

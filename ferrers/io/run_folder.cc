@@ -1,17 +1,15 @@
 #include "ferrers/io/run_folder.h"
 
-#include <fmt/compile.h>
 #include <fmt/format.h>
 
 #include <array>
 #include <chrono>
-#include <cmath>
 #include <fstream>
-#include <iterator>
 #include <memory>
 #include <system_error>
 
 #include "ferrers/core/checks.h"
+#include "ferrers/io/csv_file.h"
 #include "ferrers/model/joints/joint_type.h"
 
 namespace ferrers {
@@ -23,64 +21,12 @@ using Clock = std::chrono::steady_clock;
 constexpr std::size_t kFullBuffer = std::size_t{1} << 16U;
 constexpr std::chrono::milliseconds kLongestDelay{100};
 
-void append(fmt::memory_buffer& out, std::string_view text) { out.append(text.data(), text.data() + text.size()); }
-
-/// A number with seventeen significant digits; nothing where it is not finite.
-void append_number(fmt::memory_buffer& out, double value) {
-  if (std::isfinite(value)) fmt::format_to(std::back_inserter(out), FMT_COMPILE("{:.17g}"), value);
-}
-
-/// A name as a CSV cell: in quotes where it would not be one cell otherwise.
-void append_cell(fmt::memory_buffer& out, std::string_view text) {
-  if (text.find_first_of(",\"\r\n") == std::string_view::npos) return append(out, text);
-  out.push_back('"');
-  for (const char c : text) {
-    if (c == '"') out.push_back('"');
-    out.push_back(c);
-  }
-  out.push_back('"');
-}
-
-/// A file that is appended to in large pieces.
-class Appender {
- public:
-  std::string open(const fs::path& path) {
-    path_ = path;
-    stream_.open(path, std::ios::binary | std::ios::trunc);
-    return stream_ ? "" : fmt::format("'{}' cannot be written", path.string());
-  }
-  bool is_open() const { return stream_.is_open(); }
-  fmt::memory_buffer& buffer() { return buffer_; }
-  void flush() {
-    if (!stream_.is_open() || buffer_.size() == 0) return;
-    stream_.write(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
-    stream_.flush();
-    buffer_.clear();
-  }
-  std::string close() {
-    if (!stream_.is_open()) return "";
-    flush();
-    const bool good = static_cast<bool>(stream_);
-    stream_.close();
-    return good && stream_ ? "" : fmt::format("'{}' could not be written to its end", path_.string());
-  }
-
- private:
-  fs::path path_;
-  std::ofstream stream_;
-  fmt::memory_buffer buffer_;
-};
-
-}  // namespace
-
-namespace {
-
 constexpr std::array<std::string_view, 1> kMultiplier = {"multiplier"};
 
 }  // namespace
 
 struct RunFolder::Files {
-  Appender result, reactions;
+  CsvFile result, reactions;
   std::vector<std::vector<std::string>> cells;  ///< ",joint,component," of every joint and coupling.
   std::size_t columns = 0;
   bool with_ranges = false;
@@ -121,8 +67,8 @@ std::string RunFolder::open(const fs::path& folder, const std::vector<std::strin
   if (!reactions.joints.empty() || !reactions.couplings.empty()) {
     if (std::string error = files->reactions.open(folder / "reactions.csv"); !error.empty()) return error;
     files->with_ranges = with_ranges;
-    append(files->reactions.buffer(), "t,joint,component,value,status");
-    append(files->reactions.buffer(), with_ranges ? ",low,high\n" : "\n");
+    append_text(files->reactions.buffer(), "t,joint,component,value,status");
+    append_text(files->reactions.buffer(), with_ranges ? ",low,high\n" : "\n");
     const auto add = [&files](const std::string& owner, std::span<const std::string_view> components) {
       fmt::memory_buffer name;
       append_cell(name, owner);
@@ -155,12 +101,12 @@ void RunFolder::add(const RunSample& sample) {
     for (std::size_t joint = 0; joint < sample.reactions.size(); ++joint) {
       const JointReaction& reaction = sample.reactions[joint];
       for (std::size_t i = 0; i < files_->cells[joint].size(); ++i) {
-        append(out, {time.data(), time.size()});
-        append(out, files_->cells[joint][i]);
+        append_text(out, {time.data(), time.size()});
+        append_text(out, files_->cells[joint][i]);
         const bool known = reaction.status[i] != ReactionStatus::kUndetermined;
         if (known) append_number(out, reaction.value[i]);
         out.push_back(',');
-        append(out, to_string(reaction.status[i]));
+        append_text(out, to_string(reaction.status[i]));
         if (files_->with_ranges) {
           for (const double end : {reaction.low[i], reaction.high[i]}) {
             out.push_back(',');
