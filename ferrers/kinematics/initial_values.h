@@ -1,6 +1,6 @@
 #pragma once
 
-#include "ferrers/kinematics/scaling.h"
+#include "ferrers/kinematics/motion.h"
 
 namespace ferrers {
 

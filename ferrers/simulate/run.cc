@@ -35,17 +35,19 @@ double on_grid(const std::vector<double>& times, double t) {
   return next != times.end() && *next - t <= slack ? *next : t;
 }
 
-// Making code takes about as long as so many evaluations without it, whatever the mechanism
+// Making native code takes about as long as it saves in so many evaluations, whatever the mechanism
 // (bench/evaluation_bench: compile and whole/sparse).
+constexpr long kNativePays = 1500;
+constexpr long kStepsToJudge = 5;  // the first ones are short
+
 long first_native_evaluation(NativeCode code) {
-  constexpr long kPaid = 1500;
   switch (code) {
     case NativeCode::kAlways:
       return 0;
     case NativeCode::kNever:
       return -1;
     default:
-      return kPaid;
+      return kNativePays;
   }
 }
 
@@ -286,13 +288,22 @@ void Run::march() {
   if (limits_.any()) limits_.observe(state_, evaluator_.positions(), evaluator_.velocities());
   auto due = static_cast<std::size_t>(std::upper_bound(times.begin(), times.end(), state_.t) - times.begin());
   while (due < times.size()) {
+    const long evaluations = evaluator_.evaluations();
     if (!take_step(times, due) || !finish_step(times, due)) return;
+    if (summary_.steps == kStepsToJudge) judge_native_code(evaluator_.evaluations() - evaluations);
     if (control_.on_progress) control_.on_progress(state_.t);
     if (control_.stop && control_.stop->load(std::memory_order_relaxed)) {
       fail(RunStatus::kStopped, fmt::format("interrupted at t = {:g} s", summary_.t_reached));
       return;
     }
   }
+}
+
+// Whether what is left is worth native code, if it goes on in steps like the last one, which took so many evaluations.
+void Run::judge_native_code(long evaluations) {
+  if (options_.native_code != NativeCode::kWhenItPays) return;
+  const double left = (options_.grid.t_end - state_.t) / (state_.t - between_.from.t);
+  if (left * static_cast<double>(evaluations) > kNativePays) evaluator_.use_native_code_from(0);
 }
 
 bool Run::take_step(const std::vector<double>& times, std::size_t due) {

@@ -33,6 +33,7 @@ class Run {
   void march();
   bool take_step(const std::vector<double>& times, std::size_t due);
   bool accept();
+  void judge_native_code(long evaluations);
   bool finish_step(const std::vector<double>& times, std::size_t& due);
   bool emit_until(double t, const std::vector<double>& times, std::size_t& due);
   void state_at(double t, State& state, VectorXd& vdot);
