@@ -98,10 +98,10 @@ def load_table(results):
     return table(header, rows)
 
 
-def simulation_table(results):
+def simulation_table(results, kind):
     rows = []
-    engines = [e for e in NAMES if any(e in r["engines"] for r in results["simulations"].values())]
-    for scene, row in results["simulations"].items():
+    engines = [e for e in NAMES if any(e in r["engines"] for r in results[kind].values())]
+    for scene, row in results[kind].items():
         line = [f"{results['titles'][scene]}, {row['end']:g} s"]
         times = {}
         for engine in engines:
@@ -212,6 +212,38 @@ def scale(results):
     return svg(850, bottom + 55, body + key(list(curves), right + 40, top + 12))
 
 
+def work_precision(results, scene):
+    """Time of a whole run against the drift of its energy, every setting tried."""
+    runs = {}
+    for kind in ("simulations", "precise_simulations"):
+        for engine, entry in results.get(kind, {}).get(scene, {}).get("engines", {}).items():
+            tried = entry["tried"] if isinstance(entry["tried"], list) else []
+            runs.setdefault(engine, []).extend((max(r["drift_J"], 1e-14), 1e6 * r["run_s"]) for r in tried
+                                               if r.get("finished") and r.get("run_s") and r["angle_error"] < 0.1)
+    runs = {engine: points for engine, points in runs.items() if points}
+    if not runs:
+        return None
+    drifts = [d for points in runs.values() for d, _ in points]
+    times = [t for points in runs.values() for _, t in points]
+    first, last = math.floor(math.log10(min(drifts))), math.ceil(math.log10(max(drifts)))
+    low, high = math.floor(math.log10(min(times))), math.ceil(math.log10(max(times)))
+    left, right, top, bottom = 80, 620, 40, 460
+    x = lambda drift: left + (right - left) * (math.log10(drift) - first) / (last - first)
+    y = lambda us: bottom - (bottom - top) * (math.log10(us) - low) / (high - low)
+    body = [text((left + right) / 2, 22, f"{results['titles'][scene]}: time of a run against what its energy drifts", size=14),
+            text((left + right) / 2, bottom + 40, "J")]
+    for k in range(low, high + 1):
+        body += [stroke([(left, y(10.0**k)), (right, y(10.0**k))], "#dddddd", 1), text(left - 8, y(10.0**k) + 4, power(k), "end", size=12)]
+    for k in range(first, last + 1, 2):
+        body.append(text(x(10.0**k), bottom + 18, f"1e{k}", size=12))
+    for engine, points in runs.items():
+        body += [dot(x(drift), y(us), COLORS[engine]) for drift, us in points]
+    engines = list(runs)
+    legend = [part for i, engine in enumerate(engines) for part in
+              (dot(right + 40, top + 12 + 22 * i, COLORS[engine]), text(right + 52, top + 16.5 + 22 * i, NAMES[engine], "start"))]
+    return svg(850, bottom + 55, body + legend)
+
+
 # ---- the page --------------------------------------------------------------------------------------------------
 
 HEAD = """# Speed
@@ -266,7 +298,14 @@ def write(results, docs):
     if results.get("simulations"):
         page += ["## Whole simulations", "",
                  "The cheapest run whose energy drifts by at most 1e-4 of the largest kinetic energy and whose last angle is within "
-                 "1e-2 rad, steps and tolerances scanned:", "", *simulation_table(results)]
+                 "1e-2 rad, steps and tolerances scanned:", "", *simulation_table(results, "simulations")]
+    if results.get("precise_simulations"):
+        page += ["The same with a drift of at most 1e-9 J:", "", *simulation_table(results, "precise_simulations")]
+    drawn = work_precision(results, "bricard")
+    if drawn:
+        (docs / "img" / "speed-work-precision.svg").write_text(drawn, encoding="utf-8")
+        page += ["Every run that was scanned on the way, ten seconds of Bricard's mechanism:", "",
+                 "![](img/speed-work-precision.svg)", ""]
     page += ["## Loading and memory", "", "Ferrers' and MuJoCo's files are read and laid out; Pinocchio's and Simbody's models are built by "
              "calls. Memory is the peak of the process.", "", *load_table(results)]
     page += ["## What is missing, and why", "", *what_is_missing(results)]

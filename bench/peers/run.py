@@ -240,8 +240,9 @@ def main():
             results["analysis"] = analysis(names, options)
         keep()
     if not options.no_simulations:
-        results["simulations"] = simulations.all_runs(scenes, engines, options, measure)
-        keep()
+        for kind, level in simulations.LEVELS.items():
+            results[kind] = simulations.all_runs(scenes, engines, level, options, measure)
+            keep()
     print(f"results: {name}")
     if not options.output and not options.only and not options.engines:
         report.write(merged(before, results), build.ROOT / "docs")
