@@ -4,7 +4,7 @@
 Two runs that differ in nothing but the number of evaluations are subtracted. Of the evaluation part by part the
 counts of each part are told as well; native code is one piece.
 
-    bench/counts.py --program build/bench/bin/ferrers_counted --output bench/history/DATE-counts.json
+    bench/counts.py --program build/bench/bin/ferrers_counted --output bench/history/DATE-instructions.json
 """
 
 import argparse

@@ -17,6 +17,9 @@ class OutputFolder {
   /// Why nothing may be written there, or an empty text: it is the model's own folder, or somebody else's, with files
   /// that would be replaced, but not by their like.
   std::string refusal() const;
+  /// Whether the folder is that of the model file itself: then nothing tells later with which model its results were
+  /// made.
+  bool holds_model() const { return holds_model_; }
   /// Writes the model and the law files that it names. Returns what went wrong, or an empty text.
   std::string write_model() const;
   /// How the model files that stand there differ from what `write_model` would write, or an empty text.

@@ -6,7 +6,7 @@ using namespace ferrers;  // NOLINT(google-build-using-namespace)
 
 namespace {
 
-constexpr std::size_t kMostDecisions = 8;
+constexpr std::size_t kMostDecisions = 8, kMostJoints = 60;
 
 std::string line(std::string_view label, std::string_view text) { return fmt::format("  {:<15}{}\n", label, text); }
 
@@ -50,12 +50,16 @@ std::string loads_text(const RunDocument& document, const Style& style) {
   bool all = true;
   for (std::size_t i = 0; i < peaks.size(); ++i) {
     const JointPeak& peak = peaks[i];
+    all = all && peak.force && peak.moment && peak.force_determined && peak.moment_determined;
+    if (i >= kMostJoints) continue;
     rows.push_back({document.joints[i],
                     load(peak.force, peak.force_t, peak.force_determined, peak.force_distributed, "N", style),
                     load(peak.moment, peak.moment_t, peak.moment_determined, peak.moment_distributed, "N·m", style)});
-    all = all && peak.force && peak.moment && peak.force_determined && peak.moment_determined;
   }
   std::string text = "\n" + table(rows, "  ", style);
+  if (peaks.size() > kMostJoints) {
+    text += style.dim(fmt::format("  and {} more (summary.json lists all)\n", peaks.size() - kMostJoints));
+  }
   if (!all) {
     text += style.dim(
         "  Undetermined: rigid bodies do not tell how redundant constraints share the load. Single components that\n"

@@ -98,6 +98,15 @@ class Sweep {
 
   int run() {
     if (std::string error = folder_.refusal(); !error.empty()) return command_line_error(error);
+    if (folder_.holds_model()) {
+      return command_line_error(
+          "the folder '" + folder_.path().string() +
+          "' is that of the model file itself: nothing could tell later with which model its rows "
+          "were made; take another -o");
+    }
+    if (std::string error = options_.resume ? "" : find_kept_sweep(folder_.path()); !error.empty()) {
+      return command_line_error(error);
+    }
     if (std::string error = options_.resume ? go_on() : rows_.begin(folder_.path()); !error.empty()) {
       return command_line_error(options_.resume ? "--resume: " + error : error);
     }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cassert>
 #include <cmath>
 #include <cstdint>
 
@@ -13,6 +14,8 @@ void SparseKkt::find_places(const PatternMatrix& M, const PatternMatrix& G) {
   for (Move& move : mass_moves_) move.from = M.place(move.row, move.column);
   for (Move& move : row_moves_) move.from = G.place(move.row, move.column);
   for (Single& single : singles_) single.mass = M.place(order_[single.position], order_[single.position]);
+  mass_places_ = M.nonZeros();
+  row_places_ = G.nonZeros();
   places_known_ = true;
 }
 
@@ -67,6 +70,7 @@ template void SparseKkt::eliminate(const Single&, Traced*) const;
 ForwardStatus SparseKkt::factor(const PatternMatrix& M, const PatternMatrix& G) {
   if (!complete_) return ForwardStatus::kWornSelection;
   if (!places_known_) find_places(M, G);
+  assert(M.nonZeros() == mass_places_ && G.nonZeros() == row_places_);
   load(M, G);
   smallest_pivot_ = pairs_.empty() ? 1 : INFINITY;
   for (const Pair& pair : pairs_) {

@@ -51,7 +51,7 @@ class SparseKkt {
 
   /// kSingularMass where Nᵀ M N is not positive definite but for rounding, kWornSelection where some row has no
   /// coordinate to determine. M and G: symmetric, with all entries of the structure in their patterns, which must be
-  /// those of the first call ever after. Allocates nothing, but for that call.
+  /// those of the first call ever after. Allocates nothing.
   ForwardStatus factor(const PatternMatrix& M, const PatternMatrix& G);
   /// With the last factors. `gamma`, `lambda`: of all rows of G; only the chosen ones are read and written.
   void solve(const VectorXd& force, const VectorXd& gamma, VectorXd& vdot, VectorXd& lambda);
@@ -137,6 +137,7 @@ class SparseKkt {
   std::vector<double> f_, b_, lambda_;  // by position; by pair
   std::vector<double> began_;           // per single: the masses that its pivot is left of
   bool complete_ = false, places_known_ = false;
+  std::ptrdiff_t mass_places_ = 0, row_places_ = 0;  ///< Of the matrices whose places are known.
   double smallest_pivot_ = 0;
   long operations_ = 0;
 };

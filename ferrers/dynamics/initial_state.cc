@@ -80,7 +80,8 @@ VelocityRows make_velocity_rows(const System& system, const Scaling& scaling, co
   return out;
 }
 
-// min ½ vᵀ M v with A_r v = b_r; in a unit metric where the masses leave motions open.
+// min ½ vᵀ M v with A_r v = b_r; in a unit metric where the masses leave motions open. Not finite where the rows are
+// not independent.
 VectorXd solve_slowest(const System& system, const Scaling& scaling, const std::vector<int>& rows,
                        const VelocityRows& wanted, PatternMatrix M) {
   KktStructure structure = make_kkt_structure(system, rows);
@@ -93,7 +94,7 @@ VectorXd solve_slowest(const System& system, const Scaling& scaling, const std::
     double mass = 1e-3;
     for (int v = 0; v < system.nv; ++v) mass = std::max(mass, M(v, v) * scaling.columns[v] * scaling.columns[v]);
     for (int v = 0; v < system.nv; ++v) M.entry(v, v) += 1e-6 * mass / (scaling.columns[v] * scaling.columns[v]);
-    kkt.factor(M, wanted.A);
+    if (kkt.factor(M, wanted.A) != ForwardStatus::kSolved) return VectorXd::Constant(system.nv, NAN);
   }
   VectorXd v(system.nv), lambda(wanted.b.size());
   kkt.solve(VectorXd::Zero(system.nv), wanted.b, v, lambda);
@@ -136,7 +137,7 @@ InitialStateResult make_initial_state(const DynamicsModel& model, const Assembly
   const VectorXd b = row_scale.cwiseProduct(wanted.b);
   result.residual = (row_scale.cwiseProduct(wanted.A * result.state.v) - b).cwiseAbs().maxCoeff();
   const double size = std::max(b.cwiseAbs().maxCoeff(), 1e-300);
-  if (result.residual > 1e-8 * size) {
+  if (!(result.residual <= 1e-8 * size)) {
     result.status = InitialStateStatus::kInconsistentVelocities;
     result.message = "the initial velocities contradict each other or the constraints";
   }

@@ -11,7 +11,7 @@ namespace ferrers {
 struct ReactionSolver::Instant {
   JointWrenches joints;
   MatrixXd Z;  // rows × redundant; none where they are in `Z_by_row`
-  Eigen::SparseMatrix<double, Eigen::RowMajor> Z_by_row;
+  std::optional<Eigen::SparseMatrix<double, Eigen::RowMajor>> Z_by_row;
   MatrixXd shared;  // rows × idle efforts of the drives: what they load the joints with
 };
 
@@ -24,8 +24,14 @@ struct ReactionSolver::Distributed {
 
 namespace {
 
-// More closure rows than these, and their self-stresses are kept with the zeros left out.
-constexpr int kLargestDenseStresses = 256;
+constexpr double kLargestDenseStresses = 1e8;  // numbers
+
+// As if every row could be stressed alone: nothing is unique.
+Eigen::SparseMatrix<double, Eigen::RowMajor> all_in_doubt(int rows) {
+  Eigen::SparseMatrix<double, Eigen::RowMajor> Z(rows, rows);
+  Z.setIdentity();
+  return Z;
+}
 
 // Some rows of the self-stresses, without those that are zero in all of them.
 MatrixXd dense_rows(const Eigen::SparseMatrix<double, Eigen::RowMajor>& Z, int first, int count) {
@@ -62,12 +68,18 @@ ReactionNames name_reactions(const Model& model) {
   return names;
 }
 
-ReactionSolver::ReactionSolver(std::shared_ptr<const DynamicsModel> model, const DistributionOptions& options)
+ReactionSolver::ReactionSolver(std::shared_ptr<const DynamicsModel> model, const DistributionOptions& options,
+                               int largest_dense)
     : model_(std::move(model)),
       options_(options),
+      largest_dense_(largest_dense),
       scaling_(model_->system->scaling),
       rows_(make_all_rows(*model_->system, scaling_)),
       springs_(make_joint_springs(*model_->system, options.by, scaling_.length_m)) {}
+
+int ReactionSolver::redundant_rows(const Selection& selection) const {
+  return model_->system->m - static_cast<int>(selection.rows.size());
+}
 
 std::vector<JointReaction> ReactionSolver::solve(const State& state, const Equations& eq, const Selection& selection,
                                                  const VectorXd& vdot, const VectorXd& lambda, const VectorXd& u,
@@ -80,9 +92,13 @@ std::vector<JointReaction> ReactionSolver::solve(const State& state, const Equat
   at.joints = compute_joint_frame_wrenches(system, state, eq.pos);
   const MatrixXd all = distribute_to_joints(system, rows_, scaling_, eq.pos, at.joints,
                                             make_motion_loads(*model_, state, eq, vdot, lambda, u));
-  if (system.m > kLargestDenseStresses && !springs_.any) {
-    at.Z_by_row = find_self_stresses(system, scaling_, rows_, eq.pos, at.joints, eq.constraints);
-  } else {
+  const bool distributes = springs_.any && redundant_rows(selection) <= kMostDistributed;
+  if (system.m > largest_dense_ && !distributes) {
+    at.Z_by_row = find_self_stresses(system, scaling_, rows_, eq.pos, at.joints, eq.constraints, selection);
+    const double dense_size = static_cast<double>(rows_.size()) * redundant_rows(selection);
+    if (!at.Z_by_row && dense_size > kLargestDenseStresses) at.Z_by_row = all_in_doubt(rows_.size());
+  }
+  if (!at.Z_by_row) {
     at.Z = complete_self_stresses(system, scaling_, rows_, eq.pos, at.joints,
                                   self_stresses_of_selection(system, selection, eq.constraints.G));
   }
@@ -96,6 +112,7 @@ std::vector<JointReaction> ReactionSolver::solve(const State& state, const Equat
   DistributionOutcome local;
   DistributionOutcome& told = outcome != nullptr ? *outcome : local;
   told = {};
+  if (springs_.any && !distributes) told.too_many = redundant_rows(selection);
   const Distributed solution = distribute(at, all.col(0), told);
   std::vector<JointReaction> reactions = make_reactions(at, solution, axes);
   if (options_.range) add_ranges(at, solution, axes, reactions, told);
@@ -124,7 +141,7 @@ std::vector<JointReaction> ReactionSolver::make_reactions(const Instant& at, con
   const Model& model = *model_->system->model;
   std::vector<JointReaction> reactions(model.coordinates_begin());
   const auto stresses_of = [&](int first, int count) -> MatrixXd {
-    return at.Z_by_row.size() > 0 ? dense_rows(at.Z_by_row, first, count) : at.Z.middleRows(first, count);
+    return at.Z_by_row ? dense_rows(*at.Z_by_row, first, count) : at.Z.middleRows(first, count);
   };
   for (std::size_t j = 0; j < reactions.size(); ++j) {
     const Joint& joint = model.joints()[j];

@@ -41,6 +41,7 @@ struct DistributionOptions {
 /// How the distribution went at one state.
 struct DistributionOutcome {
   bool used = false;                       ///< There was stiffness to distribute by.
+  int too_many = 0;                        ///< Self-stresses, where there are more than can be distributed.
   bool confident = true;                   ///< Which self-stresses it fixes was a clear decision.
   std::vector<std::string> contradictory;  ///< Rigid joints that cannot be assembled with the misalignment: no values
   ///< for them and what self-stresses tie to them.
@@ -51,11 +52,17 @@ struct DistributionOutcome {
 ///
 /// Each tree joint balances its outboard side; a component is unique when its projection on the joint's constraint
 /// wrenches is orthogonal to every self-stress at this pose [wojtyra2005]. The others are distributed by joint
-/// stiffness (redundancy/distribution.h) as far as it goes. Cost: O(rows · redundant), and that of the distribution if
-/// there is one.
+/// stiffness (redundancy/distribution.h) as far as it goes, of up to `kMostDistributed` self-stresses: they are taken
+/// as one dense system. Cost: O(rows · redundant), and that of the distribution if there is one; without stiffness, of
+/// large mechanisms, that of a rank decision.
 class ReactionSolver {
  public:
-  explicit ReactionSolver(std::shared_ptr<const DynamicsModel> model, const DistributionOptions& options = {});
+  static constexpr int kMostDistributed = 1500;
+
+  /// More closure rows than `largest_dense`, and self-stresses are kept with their zeros left out, unless stiffness
+  /// divides by them.
+  explicit ReactionSolver(std::shared_ptr<const DynamicsModel> model, const DistributionOptions& options = {},
+                          int largest_dense = 256);
 
   /// `eq` filled at `state`; `vdot`, `lambda` solve it with the drive efforts `u` (nu).
   std::vector<JointReaction> solve(const State& state, const Equations& eq, const Selection& selection,
@@ -68,6 +75,7 @@ class ReactionSolver {
  private:
   struct Instant;
   struct Distributed;
+  int redundant_rows(const Selection& selection) const;
   Distributed distribute(const Instant& at, VectorXd lambda, DistributionOutcome& outcome) const;
   std::vector<JointReaction> make_reactions(const Instant& at, const Distributed& solution, ReactionAxes axes) const;
   void add_ranges(const Instant& at, const Distributed& solution, ReactionAxes axes,
@@ -75,6 +83,7 @@ class ReactionSolver {
 
   std::shared_ptr<const DynamicsModel> model_;
   DistributionOptions options_;
+  int largest_dense_;
   Scaling scaling_;
   AllRows rows_;
   JointSprings springs_;

@@ -53,6 +53,7 @@ void PatternMatrix::take_row(int row, Eigen::RowVectorXd& whole) {
     valuePtr()[i] = source;
     source = 0;
   }
+  assert(whole.isZero(0));  // else the pattern lacks a place
 }
 
 }  // namespace ferrers

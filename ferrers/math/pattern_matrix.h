@@ -26,7 +26,7 @@ class PatternMatrix : public Eigen::SparseMatrix<double, Eigen::RowMajor> {
   /// Where a number of the pattern is, counted over all rows; asserts that there is one.
   int place(int row, int column) const;
   double& entry(int row, int column) { return valuePtr()[place(row, column)]; }
-  /// Moves a row from `whole` (length: columns), which is zero in the row's places afterwards.
+  /// Moves a row from `whole` (length: columns), which is zero afterwards; asserts that the pattern had all places.
   void take_row(int row, Eigen::RowVectorXd& whole);
 };
 

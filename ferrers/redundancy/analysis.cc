@@ -203,11 +203,18 @@ MatrixXd complete_self_stresses(const System& system, const Scaling& scaling, co
   return rows.scale.asDiagonal() * basis;
 }
 
-SparseMatrixXd find_self_stresses(const System& system, const Scaling& scaling, const AllRows& rows,
-                                  const PositionKinematics& pos, const JointWrenches& joints,
-                                  const ConstraintKinematics& constraints) {
+std::optional<SparseMatrixXd> find_self_stresses(const System& system, const Scaling& scaling, const AllRows& rows,
+                                                 const PositionKinematics& pos, const JointWrenches& joints,
+                                                 const ConstraintKinematics& constraints, const Selection& selection) {
   const ConstraintBlocks blocks = cut_into_blocks(system, constraints);
-  const ClusterDecision decision = decide_clusters(system, scaling, blocks, 0, kLargestDenseInMotion);
+  ClusterDecision decision = decide_clusters(system, scaling, blocks, 0, kLargestDenseInMotion);
+  for (ClusterRank& cluster : decision.clusters) {
+    const auto kept = static_cast<int>(std::count_if(cluster.rows.begin(), cluster.rows.end(), [&](int row) {
+      return std::binary_search(selection.rows.begin(), selection.rows.end(), row);
+    }));
+    if (kept < cluster.elimination.smallest_rank()) return std::nullopt;
+    cluster.elimination.set_rank(std::min(kept, cluster.elimination.largest_rank()));
+  }
   return as_matrix(rows, collect_self_stresses(system, scaling, rows, pos, joints, decision));
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/SparseCore>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -88,11 +89,12 @@ MatrixXd complete_self_stresses(const System& system, const Scaling& scaling, co
                                 const PositionKinematics& pos, const JointWrenches& joints,
                                 const MatrixXd& closure_part);
 
-/// Self-stresses over all rows at a pose, each on the joints of its own loops only; their rank is decided here. For
-/// mechanisms whose self-stresses would not fit as a dense matrix. Cost: as that of the decision.
-SparseMatrixXd find_self_stresses(const System& system, const Scaling& scaling, const AllRows& rows,
-                                  const PositionKinematics& pos, const JointWrenches& joints,
-                                  const ConstraintKinematics& constraints);
+/// Self-stresses over all rows at a pose, each on the joints of its own loops only, as many as `selection` leaves rows
+/// out, or more where the pose itself has more: no rank is decided. For mechanisms whose self-stresses would not fit as
+/// a dense matrix. Empty where the pose clearly has fewer than the selection leaves out. Cost: as that of a decision.
+std::optional<SparseMatrixXd> find_self_stresses(const System& system, const Scaling& scaling, const AllRows& rows,
+                                                 const PositionKinematics& pos, const JointWrenches& joints,
+                                                 const ConstraintKinematics& constraints, const Selection& selection);
 
 /// The closure rows' part of the self-stresses by elimination with a selection: no rank is decided. m × (m − r).
 MatrixXd self_stresses_of_selection(const System& system, const Selection& selection, const PatternMatrix& G);

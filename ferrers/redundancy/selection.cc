@@ -124,6 +124,8 @@ bool is_large(const System& system, const Cluster& cluster) {
   return rows > kLargestDense && columns > kLargestDense;
 }
 
+MatrixXd unknown(const MatrixXd& like) { return MatrixXd::Constant(like.rows(), like.cols(), NAN); }
+
 void finish(const System& system, const std::vector<bool>& is_dependent, Selection& out) {
   std::sort(out.rows.begin(), out.rows.end());
   for (int v = 0; v < system.nv; ++v) (is_dependent[v] ? out.dependent : out.independent).push_back(v);
@@ -229,22 +231,31 @@ DependentBlock::DependentBlock(const Selection& selection, const PatternMatrix& 
 
 MatrixXd DependentBlock::solve(const MatrixXd& right) const {
   if (sparse_ == nullptr) return dense_.solve(right);
+  if (sparse_->info() != Eigen::Success) return unknown(right);
   return sparse_->solve(right);
 }
 
 MatrixXd DependentBlock::solve_transposed(const MatrixXd& right) const {
   if (sparse_ == nullptr) return dense_.transpose().solve(right);
+  if (sparse_->info() != Eigen::Success) return unknown(right);
   return sparse_->transpose().solve(right);
 }
 
 ExtendedSelection extend_selection(const Selection& base, const PatternMatrix& G, int first_row,
                                    const VectorXd& row_scale, const VectorXd& columns) {
   const auto k = static_cast<int>(row_scale.size());
+  if (k == 0) return {base, {}, {}};
   RowMatrixXd D = G.middleRows(first_row, k);
   D = row_scale.asDiagonal() * D;
   MatrixXd A = D(Eigen::all, base.independent);
-  if (!base.rows.empty()) {
-    A -= D(Eigen::all, base.dependent) * DependentBlock(base, G).solve(G(base.rows, base.independent));
+  if (!base.rows.empty()) {  // D_d G_d⁻¹ G_i by as many solutions as there are further rows
+    const MatrixXd shares = DependentBlock(base, G).solve_transposed(D(Eigen::all, base.dependent).transpose());
+    VectorXd of_all = VectorXd::Zero(G.rows());
+    for (int row = 0; row < k; ++row) {
+      of_all(base.rows) = shares.col(row);
+      const VectorXd along = G.transpose() * of_all;
+      A.row(row) -= along(base.independent).transpose();
+    }
   }
   A *= columns(base.independent).asDiagonal();
   const int rank = analyze_rank(A, 1.0).decision.rank;

@@ -13,7 +13,8 @@ namespace ferrers {
 /// ones each self-stress leaves out one row of its own place, and the coordinates that no pivot determined are free.
 Selection select_rows_and_coordinates(const System& system, const ClusterDecision& decision);
 
-/// G_d, the chosen rows on the dependent coordinates, factored: dense while it is small.
+/// G_d, the chosen rows on the dependent coordinates, factored: dense while it is small. Of a singular one the
+/// solutions are not finite.
 class DependentBlock {
  public:
   DependentBlock(const Selection& selection, const PatternMatrix& G);
@@ -28,7 +29,8 @@ class DependentBlock {
 
 /// A selection with further rows `first_row`, first_row + 1, … of G (prescribed motions, say), which take away as many
 /// of the independent coordinates: those that they determine best on the admissible motions. `row_scale` (one per
-/// further row) and `columns` make rows comparable. Cost: O(r³).
+/// further row) and `columns` make rows comparable. Cost: that of factoring G_d, and of a
+/// solution per further row.
 struct ExtendedSelection {
   Selection selection;
   std::vector<int> implied;      ///< Further rows (from 0) that the constraints imply by themselves: left out.

@@ -24,6 +24,17 @@ VectorXd make_row_scale(const DynamicsModel& model, const Scaling& scaling, cons
   return out;
 }
 
+// Of the coordinates that count turns; those of quaternions do not.
+double largest_angle(const System& system, const VectorXd& q) {
+  double largest = 0;
+  for (const Node& node : system.nodes) {
+    for (int k = 0; k < node.nv && node.nq == node.nv; ++k) {
+      if (node.type->coordinates[k].is_angular()) largest = std::max(largest, std::abs(q[node.q + k]));
+    }
+  }
+  return largest;
+}
+
 }  // namespace
 
 Evaluator::Evaluator(std::shared_ptr<const DynamicsModel> model, Formulation formulation, std::vector<int> driven,
@@ -288,12 +299,17 @@ void Evaluator::note_sizes(double place, double speed, double turn) {
 }
 
 double Evaluator::rounding_of_positions() const {
+  return std::max(rounding_of_places(), 2 * std::numeric_limits<double>::epsilon() * scaling_.length_m * angle_);
+}
+
+double Evaluator::rounding_of_places() const {
   return 2 * std::numeric_limits<double>::epsilon() * std::max({scaling_.length_m, place_, coordinate_size_});
 }
 
 // What it leaves in G v, m/s.
 double Evaluator::rounding_of_velocities() const {
-  return 2 * std::numeric_limits<double>::epsilon() * (speed_ + scaling_.length_m * turn_ + coordinate_speed_);
+  const double turned = std::max(1.0, angle_);
+  return 2 * std::numeric_limits<double>::epsilon() * turned * (speed_ + scaling_.length_m * turn_ + coordinate_speed_);
 }
 
 const VectorXd& Evaluator::resolve(const VectorXd& right) {
@@ -303,6 +319,7 @@ const VectorXd& Evaluator::resolve(const VectorXd& right) {
 
 double Evaluator::settle(State& state, const VectorXd* offset) {
   normalize_quaternions(system(), state.q);
+  angle_ = largest_angle(system(), state.q);
   bool natively = offset == nullptr && finds_programs() && ForwardProgram::reaches(state);
   double before = INFINITY, rate_before = INFINITY, gap = 0;
   for (int i = 0; i < 8; ++i) {
@@ -397,7 +414,7 @@ double Evaluator::left_out_residual() const {
   const ConstraintKinematics& c = eq_.constraints;
   double largest = row_scale_.size() > 0 ? c.phi.cwiseProduct(row_scale_).cwiseAbs().maxCoeff() : 0.0;
   // A row on velocities has no place to be off from: how far it is off on the way of one characteristic length.
-  const double speed = rounding_of_velocities() / (2 * std::numeric_limits<double>::epsilon());
+  const double speed = speed_ + scaling_.length_m * turn_ + coordinate_speed_;
   for (const int row : system().velocity_rows) {
     const double off = std::abs(c.rate[row] - c.nu[row]) * row_scale_[row];
     if (off > 0) largest = std::max(largest, off * scaling_.length_m / std::max(speed, off));

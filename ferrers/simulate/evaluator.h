@@ -48,6 +48,7 @@ class Evaluator {
   /// do it (dynamics/forward_program.h), only `result()`, `power` and the pivots are known at once.
   bool evaluate_stage(State& state);
   double rounding_of_positions() const;  ///< What rounding alone leaves in phi, m.
+  double rounding_of_places() const;     ///< Of this what is not that of angles after many turns.
   bool settles_stages() const { return settles_stages_; }
   /// Takes from a displacement or velocity (nv) what the constraints at the last evaluation do not allow.
   void keep_admissible(VectorXd& dv);
@@ -157,6 +158,7 @@ class Evaluator {
   double close_enough_ = 0;
   double residual_ = 0;
   double place_ = 0, speed_ = 0, turn_ = 0;            ///< The largest of the bodies' nodes: m, m/s, rad/s.
+  double angle_ = 0;                                   ///< The largest of the tree's, where it was last settled, rad.
   double coordinate_size_ = 0, coordinate_speed_ = 0;  ///< Largest of the generalized coordinates, scaled: m, m/s.
   long evaluations_ = 0;
 };

@@ -72,7 +72,7 @@ class Recorder {
   RunSample sample_;
   std::vector<JointPeak> peaks_;
   DistributionSummary distribution_;
-  bool doubt_told_ = false, contradiction_told_ = false;
+  bool doubt_told_ = false, contradiction_told_ = false, excess_told_ = false;
 };
 
 }  // namespace ferrers

@@ -195,7 +195,8 @@ void Run::choose_method() {
   adaptive_ = !options_.step && stepper_->error_order() > 0;
   summary_.method = std::string(to_string(integrator));
   if (adaptive_) {
-    evaluator_.close_to(1e-4 * local_tolerance(options_) * evaluator_.scaling().length_m);
+    // What a rank decision takes for zero is ten times as much (math/rank.cc).
+    evaluator_.close_to(std::min(1e-4 * local_tolerance(options_), 1e-12) * evaluator_.scaling().length_m);
     summary_.method += fmt::format(", tolerance {:g}", options_.tolerance.value_or(kDefaultTolerance));
   } else {
     step_ = std::min(options_.step.value_or(options_.grid.every / 10), options_.grid.every);

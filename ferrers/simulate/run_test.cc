@@ -352,6 +352,18 @@ TEST(RunTest, HowFarALimitIsPassedIsKnownBetweenSteps) {
 // --- Turns, beginnings and ends ---
 
 // A shaft in two bearings, one of which closes a loop: nothing but its turns tells how far it is.
+// After many turns an angle itself is only known to its rounding: steps that try to be better never end.
+TEST(RunTest, ACrankThatTurnsFastForLongKeepsItsTolerance) {
+  ModelSpec spec = make_slider_crank(SliderCrankJoints::kRevolutePrismatic, 0.785);
+  spec.initial = {initial_velocity("O", 60)};
+  SimulationOptions options = plain_run(10, 5);
+  const ProbedRun run = probe_run(spec, options);
+  ASSERT_EQ(run.summary.status, RunStatus::kFinished) << run.summary.message;
+  EXPECT_LT(run.summary.steps, 20000);
+  EXPECT_LT(run.energy_drift(), 1e-9 * run.summary.energy_start);
+  EXPECT_GT(run.last("O.angle"), 300) << "rad";
+}
+
 TEST(RunTest, TurnsAreCountedHoweverLongTheSteps) {
   ModelSpec spec;
   spec.name = "shaft";

@@ -29,7 +29,9 @@ double StepControl::allowed_error(const Evaluator& evaluator, double h, double f
 }
 
 double StepControl::rounding(const Evaluator& evaluator) {
-  return 40 * evaluator.rounding_of_positions() / evaluator.scaling().length_m;
+  // Places are made of many operations, an angle is one number.
+  const double rounding = std::max(40 * evaluator.rounding_of_places(), 4 * evaluator.rounding_of_positions());
+  return rounding / evaluator.scaling().length_m;
 }
 
 // What rounding alone does with pivots down to `ratio` of healthy ones.

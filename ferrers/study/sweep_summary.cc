@@ -162,4 +162,19 @@ std::string find_other_options(const std::filesystem::path& file, const SweepDoc
   return "";
 }
 
+std::string find_kept_sweep(const std::filesystem::path& folder) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(folder / "sweep.csv", ignored)) return "";
+  std::ifstream in(folder / "sweep.json");
+  const OrderedJson before = OrderedJson::parse(in, nullptr, /*allow_exceptions=*/false);
+  if (!before.is_object() || before.value("schema", OrderedJson()) != "ferrers.sweep/1") {
+    return fmt::format("'{}' is no sweep's: nothing is replaced there; take another -o",
+                       (folder / "sweep.csv").string());
+  }
+  if (before.value("status", OrderedJson()) == "finished") return "";
+  return fmt::format(
+      "the folder '{}' holds a sweep that has not come to its end: go on with --resume, or take another -o",
+      folder.string());
+}
+
 }  // namespace ferrers

@@ -73,4 +73,7 @@ std::string write_sweep_json(const SweepDocument& document);
 /// cannot be told; empty: the same.
 std::string find_other_options(const std::filesystem::path& file, const SweepDocument& document);
 
+/// Why the sweep in a folder must not be replaced: it has not come to its end, or is not one of ours; empty: it may be.
+std::string find_kept_sweep(const std::filesystem::path& folder);
+
 }  // namespace ferrers
