@@ -16,7 +16,7 @@ SOURCES = ROOT / "bench" / "peers"
 
 # Folder, what pip is asked for, more arguments. The last version with every interface of a series, as pip finds it.
 WHEELS = [
-    ("mujoco-4", "mujoco>=4,<5", []),
+    ("mujoco-4", "mujoco-core>=4,<5", []),  # since 4.0 apart from what is Python
     ("mujoco-3", "mujoco>=3.12,<4", []),
     ("mujoco-2", "mujoco==2.2.2", ["--only-binary=:all:", "--python-version", "3.10"]),  # no newer Python; not run by it
     ("pin-4", "pin>=4,<5", []),

@@ -8,6 +8,7 @@
 
 #include "bench/peers/scene.h"
 #include "ferrers/dynamics/forward_dynamics.h"
+#include "ferrers/dynamics/tree_inverse.h"
 #include "ferrers/io/model_reader.h"
 #include "ferrers/redundancy/mechanism_analysis.h"
 #include "ferrers/redundancy/selection.h"
@@ -139,10 +140,8 @@ void measure_inverse(const peers::Scene& scene, double seconds, Loaded& l) {
     solver->solve(equations, result);
     accelerations.push_back(result.vdot);
   }
-  const auto evaluate = [&](std::size_t i) {
-    compute_equations(*l.dynamics, l.states[i], equations);
-    efforts.noalias() = equations.M * accelerations[i] - equations.force;
-  };
+  TreeInverse inverse(l.dynamics);
+  const auto evaluate = [&](std::size_t i) { efforts = inverse.evaluate(l.states[i], accelerations[i]); };
   double worst = 0;
   for (std::size_t i = 0; i < l.states.size(); ++i) {
     evaluate(i);

@@ -4,7 +4,6 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <map>
 #include <optional>
 #include <set>
@@ -116,12 +115,38 @@ void choose_by_elimination(const ClusterRank& cluster, Selection& out, std::vect
   for (const int column : cluster.elimination.free_columns()) is_dependent[cluster.columns[column]] = false;
 }
 
+// Near a pose where the rank falls as many values are in doubt as there are loops, and meet in one dense core.
+constexpr int kLargestReselected = 10000;
+
+int rows_of(const System& system, const Cluster& cluster) {
+  int rows = 0;
+  for (const int c : cluster.closures) rows += system.topology->closures[c].row_count;
+  return rows;
+}
+
 // Pivoting it as a whole takes longer than a long motion.
 bool is_large(const System& system, const Cluster& cluster) {
-  int rows = 0, columns = 0;
-  for (const int c : cluster.closures) rows += system.topology->closures[c].row_count;
+  int columns = 0;
   for (const int n : cluster.nodes) columns += system.nodes[n].nv;
-  return rows > kLargestDense && columns > kLargestDense;
+  return rows_of(system, cluster) > kLargestDense && columns > kLargestDense;
+}
+
+void keep_choice(const System& system, const Cluster& cluster, const Selection& previous, Selection& out,
+                 std::vector<bool>& is_dependent) {
+  const auto holds = [](const std::vector<int>& sorted, int value) {
+    return std::binary_search(sorted.begin(), sorted.end(), value);
+  };
+  for (const int c : cluster.closures) {
+    const Closure& closure = system.topology->closures[c];
+    for (int row = closure.row; row < closure.row + closure.row_count; ++row) {
+      if (holds(previous.rows, row)) out.rows.push_back(row);
+    }
+  }
+  for (const int n : cluster.nodes) {
+    for (int v = system.nodes[n].v; v < system.nodes[n].v + system.nodes[n].nv; ++v) {
+      is_dependent[v] = holds(previous.dependent, v);
+    }
+  }
 }
 
 MatrixXd unknown(const MatrixXd& like) { return MatrixXd::Constant(like.rows(), like.cols(), NAN); }
@@ -192,17 +217,16 @@ Selection reselect(const System& system, const Scaling& scaling, const Constrain
       choose_in_block(block, static_cast<int>(rank), out, is_dependent);
       continue;
     }
-    if (!eliminated) eliminated = decide_clusters(system, scaling, blocks, 0, kLargestDenseInMotion);
-    const ClusterRank& found = eliminated->clusters[c];
-    if (found.rank == std::count_if(found.rows.begin(), found.rows.end(), was_kept)) {
-      choose_by_elimination(found, out, is_dependent);
-      continue;
+    if (rows_of(system, cluster) <= kLargestReselected) {
+      if (!eliminated) eliminated = decide_clusters(system, scaling, blocks, 0, kLargestDenseInMotion);
+      const ClusterRank& found = eliminated->clusters[c];
+      if (found.rank == std::count_if(found.rows.begin(), found.rows.end(), was_kept)) {
+        choose_by_elimination(found, out, is_dependent);
+        continue;
+      }
     }
-    // Another rank just here: what was chosen stays.
-    std::copy_if(found.rows.begin(), found.rows.end(), std::back_inserter(out.rows), was_kept);
-    for (const int v : found.columns) {
-      is_dependent[v] = std::binary_search(previous.dependent.begin(), previous.dependent.end(), v);
-    }
+    // Another rank just here, or near such a pose too much to look at: what was chosen stays.
+    keep_choice(system, cluster, previous, out, is_dependent);
   }
   finish(system, is_dependent, out);
   return out;

@@ -496,6 +496,17 @@ bool Run::meets_laws(const Event& event) {
 }
 
 void Run::note_singular_pose() {
+  constexpr int kMostRows = 10000;  // each needs decisions just where most values are in doubt
+  if (system().m > kMostRows) {
+    if (!std::exchange(unlocated_told_, true)) {
+      summary_.notices.push_back(
+          fmt::format("a singular pose was crossed at t = {:g} s; where exactly, and further ones, are not looked for "
+                      "in a mechanism "
+                      "of more than {} closure rows",
+                      state_.t, kMostRows));
+    }
+    return;
+  }
   const auto probe = [this](double t, State& state) { state_at(t, state, sample_vdot_); };
   const auto pose = find_singular_pose(evaluator_, probe, between_.from.t, between_.to.t);
   if (pose) summary_.singular_poses.push_back(*pose);

@@ -71,7 +71,7 @@ class Run {
   Work work_, work_before_;  ///< Until the state, and until the step taken last.
   std::vector<int> driven_;
   std::vector<bool> off_;  ///< Per drive component.
-  bool adaptive_ = false, crossing_ = false, moved_ = false, switched_ = false;
+  bool adaptive_ = false, crossing_ = false, moved_ = false, switched_ = false, unlocated_told_ = false;
   double begin_ = 0;                                     ///< s.
   double step_ = 0;                                      ///< Fixed steps, s.
   double energy_ = 0, elastic_ = 0, elastic_start_ = 0;  ///< J.

@@ -152,7 +152,8 @@ std::string find_other_options(const std::filesystem::path& file, const SweepDoc
       !before.value("options", OrderedJson()).is_object()) {
     return fmt::format("'{}' does not tell with which options it was made", file.string());
   }
-  const OrderedJson old = before.at("options"), now = options_value(document.simulation);
+  const OrderedJson& old = before.at("options");
+  const OrderedJson now = options_value(document.simulation);
   for (const auto& [key, value] : now.items()) {
     const OrderedJson other = old.value(key, OrderedJson());
     if (other != value) {
