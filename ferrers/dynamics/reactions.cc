@@ -25,6 +25,8 @@ struct ReactionSolver::Distributed {
 namespace {
 
 constexpr double kLargestDenseStresses = 1e8;  // numbers
+// Closure rows: beyond, poses with many loops in doubt would take minutes each.
+constexpr int kMostJudged = 10000;
 
 // As if every row could be stressed alone: nothing is unique.
 Eigen::SparseMatrix<double, Eigen::RowMajor> all_in_doubt(int rows) {
@@ -93,9 +95,13 @@ std::vector<JointReaction> ReactionSolver::solve(const State& state, const Equat
   const MatrixXd all = distribute_to_joints(system, rows_, scaling_, eq.pos, at.joints,
                                             make_motion_loads(*model_, state, eq, vdot, lambda, u));
   const bool distributes = springs_.any && redundant_rows(selection) <= kMostDistributed;
-  if (system.m > largest_dense_ && !distributes) {
+  const int redundant = redundant_rows(selection);
+  const bool judges = distributes || redundant == 0 || system.m <= kMostJudged;
+  if (!judges) {
+    at.Z_by_row = all_in_doubt(rows_.size());
+  } else if (system.m > largest_dense_ && !distributes) {
     at.Z_by_row = find_self_stresses(system, scaling_, rows_, eq.pos, at.joints, eq.constraints, selection);
-    const double dense_size = static_cast<double>(rows_.size()) * redundant_rows(selection);
+    const double dense_size = static_cast<double>(rows_.size()) * redundant;
     if (!at.Z_by_row && dense_size > kLargestDenseStresses) at.Z_by_row = all_in_doubt(rows_.size());
   }
   if (!at.Z_by_row) {
@@ -112,7 +118,7 @@ std::vector<JointReaction> ReactionSolver::solve(const State& state, const Equat
   DistributionOutcome local;
   DistributionOutcome& told = outcome != nullptr ? *outcome : local;
   told = {};
-  if (springs_.any && !distributes) told.too_many = redundant_rows(selection);
+  if ((springs_.any && !distributes) || !judges) told.too_many = redundant;
   const Distributed solution = distribute(at, all.col(0), told);
   std::vector<JointReaction> reactions = make_reactions(at, solution, axes);
   if (options_.range) add_ranges(at, solution, axes, reactions, told);

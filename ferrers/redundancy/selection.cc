@@ -149,6 +149,15 @@ void keep_choice(const System& system, const Cluster& cluster, const Selection& 
   }
 }
 
+// Rows and columns without entries get one that is no number: a matrix must not be singular by its pattern alone.
+void spoil_empty_lines(long size, std::vector<Eigen::Triplet<double>>& entries) {
+  std::vector<bool> row_held(static_cast<std::size_t>(size), false), column_held = row_held;
+  for (const Eigen::Triplet<double>& e : entries) row_held[e.row()] = column_held[e.col()] = true;
+  for (int i = 0; i < size; ++i) {
+    if (!row_held[i] || !column_held[i]) entries.emplace_back(i, i, NAN);
+  }
+}
+
 MatrixXd unknown(const MatrixXd& like) { return MatrixXd::Constant(like.rows(), like.cols(), NAN); }
 
 void finish(const System& system, const std::vector<bool>& is_dependent, Selection& out) {
@@ -247,6 +256,7 @@ DependentBlock::DependentBlock(const Selection& selection, const PatternMatrix& 
     }
   }
   const auto r = static_cast<long>(selection.rows.size());
+  spoil_empty_lines(r, entries);
   Eigen::SparseMatrix<double> G_d(r, r);
   G_d.setFromTriplets(entries.begin(), entries.end());
   sparse_ = std::make_shared<Sparse>();

@@ -100,9 +100,11 @@ const RunSample& Recorder::record(const State& state, const Equations& eq, const
 
 void Recorder::follow_distribution(double t, const DistributionOutcome& outcome) {
   if (outcome.too_many > 0 && !std::exchange(excess_told_, true)) {
-    distribution_.notices.push_back("stiffness divides up to " + std::to_string(ReactionSolver::kMostDistributed) +
-                                    " self-stresses, here there are " + std::to_string(outcome.too_many) +
-                                    ": what they load is undetermined");
+    distribution_.notices.push_back(
+        "there are " + std::to_string(outcome.too_many) + " self-stresses: stiffness divides up to " +
+        std::to_string(ReactionSolver::kMostDistributed) +
+        ", and which reactions are unique is judged in mechanisms of up to 10000 closure rows; what is beyond is "
+        "undetermined");
   }
   if (!outcome.used) return;
   distribution_.used = true;
