@@ -4,7 +4,8 @@ namespace ferrers {
 
 const std::vector<DiagnosticCode>& diagnostic_codes() {
   // One line per code, sorted by code (tested). The first digit tells what is wrong: F1 the text of a file, F2 a value,
-  // F3 the mechanism, F4 a formula, F5 a task that the model is not fit for.
+  // F3 the mechanism, F4 a formula, F5 a task that the model is not fit for, F6 a file of another
+  // program.
   static const std::vector<DiagnosticCode> codes = {
       {"F101", "file cannot be read"},
       {"F102", "file too large"},
@@ -99,6 +100,13 @@ const std::vector<DiagnosticCode>& diagnostic_codes() {
       {"F512", "no equilibrium"},
       {"F513", "pose is not held"},
       {"F514", "no linear system at this pose"},
+      {"F601", "part of the file that is not read"},
+      {"F602", "part of the file that is not supported"},
+      {"F603", "how something in the file is understood"},
+      {"F604", "unknown or ambiguous reference in the file"},
+      {"F605", "structure of the file"},
+      {"F606", "further file that cannot be read"},
+      {"F607", "what the written format cannot say"},
   };
   return codes;
 }

@@ -3,10 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 #include <set>
-#include <sstream>
-#include <system_error>
 #include <tuple>
 #include <utility>
 
@@ -14,6 +11,7 @@
 #include "ferrers/io/document.h"
 #include "ferrers/io/document_edit.h"
 #include "ferrers/io/spec_reader.h"
+#include "ferrers/io/text_file.h"
 
 namespace ferrers {
 namespace {
@@ -109,28 +107,6 @@ void read_parameter_texts(const ReadModelOptions& options, const ModelSpec& spec
   }
 }
 
-std::optional<std::string> load(const fs::path& path, Diagnostics& diagnostics) {
-  std::error_code failed;
-  const auto fail = [&](std::string_view code, std::string message) {
-    diagnostics.error(code, {}, std::move(message));
-    return std::nullopt;
-  };
-  const fs::file_status status = fs::status(path, failed);
-  if (!fs::exists(status)) return fail("F101", "this file does not exist");
-  if (fs::is_directory(status)) return fail("F101", "this is a folder, not a model file");
-  const std::size_t limit = DocumentLimits().bytes;
-  std::ifstream stream(path, std::ios::binary);
-  std::string text;
-  std::string piece(std::size_t{1} << 16U, '\0');
-  while (stream && text.size() <= limit) {
-    stream.read(piece.data(), static_cast<std::streamsize>(piece.size()));
-    text.append(piece, 0, static_cast<std::size_t>(stream.gcount()));
-  }
-  if (!stream.eof() && text.size() <= limit) return fail("F101", "this file cannot be read");
-  if (text.size() > limit) return fail("F102", fmt::format("this file has more than {} bytes", limit));
-  return text;
-}
-
 }  // namespace
 
 ModelReadResult read_model_text(std::string text, std::string name, const ReadModelOptions& options) {
@@ -156,7 +132,7 @@ ModelReadResult read_model_text(std::string text, std::string name, const ReadMo
 
 ModelReadResult read_model_file(const fs::path& path, const ReadModelOptions& options) {
   Diagnostics diagnostics(path.string());
-  std::optional<std::string> text = load(path, diagnostics);
+  std::optional<std::string> text = load_text_file(path, diagnostics);
   if (!text) {
     ModelReadResult failed;
     failed.diagnostics = std::move(diagnostics);

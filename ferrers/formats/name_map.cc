@@ -1,0 +1,38 @@
+#include "ferrers/formats/name_map.h"
+
+#include <algorithm>
+#include <array>
+
+#include "ferrers/math/expression.h"
+
+namespace ferrers {
+namespace {
+
+// The fixed body, and columns of the results.
+constexpr std::array<std::string_view, 3> kReserved = {"ground", "t", "energy"};
+
+bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+std::string allowed(std::string_view original, std::string_view kind) {
+  std::string name;
+  for (const char c : original) name += is_letter(c) || is_digit(c) ? c : '_';
+  if (name.empty()) name = kind;
+  if (is_digit(name.front())) name.insert(name.begin(), '_');
+  const bool reserved = std::find(kReserved.begin(), kReserved.end(), name) != kReserved.end();
+  if (reserved || is_expression_keyword(name)) name += '_';
+  return name;
+}
+
+}  // namespace
+
+std::string NameMap::add(std::string_view space, std::string_view kind, std::string_view original) {
+  std::set<std::string>& taken = taken_[std::string(space)];
+  const std::string wanted = allowed(original, kind);
+  std::string name = wanted;
+  for (int i = 2; !taken.insert(name).second; ++i) name = wanted + "_" + std::to_string(i);
+  if (name != original) renamed_.push_back({std::string(kind), std::string(original), name});
+  return name;
+}
+
+}  // namespace ferrers

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <map>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "ferrers/formats/imported_model.h"
+
+namespace ferrers {
+
+/// Gives names of other programs a form that the native format allows: letters, digits and '_', no digit in front, no
+/// name twice among things that share a space of names, none of the words that formulas know.
+///
+/// The same original of the same kind always gets the same name; `renamed` lists those that changed. Cost: O(log n).
+class NameMap {
+ public:
+  /// A new thing's name. `space`: within it names are unique ("bodies"; "joints" for joints, couplings, constraints and
+  /// coordinates; ...). An `original` that was added before to this space gets a further name with a number.
+  std::string add(std::string_view space, std::string_view kind, std::string_view original);
+
+  const std::vector<RenamedThing>& renamed() const { return renamed_; }
+
+ private:
+  std::map<std::string, std::set<std::string>, std::less<>> taken_;
+  std::vector<RenamedThing> renamed_;
+};
+
+}  // namespace ferrers
