@@ -8,6 +8,7 @@
 
 #include "ferrers/formats/sdf_axis_data.h"
 #include "ferrers/formats/sdf_versions.h"
+#include "ferrers/model/pose_spec.h"
 
 namespace ferrers {
 namespace {

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "ferrers/formats/sdf_visuals.h"
+#include "ferrers/model/pose_spec.h"
 
 namespace ferrers {
 namespace {
@@ -86,20 +87,6 @@ Number3 numbers_of(const Eigen::Vector3d& v, SourceRange at) {
   Number3 three = number3(v.x(), v.y(), v.z());
   for (Number& one : three) one.at = at;
   return three;
-}
-
-PoseSpec pose_spec(const Pose& pose, SourceRange at) {
-  PoseSpec spec;
-  spec.position = numbers_of(pose.p, at);
-  spec.at = at;
-  if (pose.R == Eigen::Matrix3d::Identity()) return spec;
-  Eigen::Quaterniond turn(pose.R);
-  turn.normalize();
-  RotationSpec rotation;
-  rotation.quaternion = {Number(turn.w()), Number(turn.x()), Number(turn.y()), Number(turn.z())};
-  rotation.at = at;
-  spec.rotation = rotation;
-  return spec;
 }
 
 SdfBodies read_sdf_links(SdfTree& tree, NameMap& names, ImportedModel& model) {

@@ -17,7 +17,6 @@ struct SdfBodies {
 
 inline constexpr std::string_view kGround = "ground";
 
-PoseSpec pose_spec(const Pose& pose, SourceRange at);
 Number3 numbers_of(const Eigen::Vector3d& v, SourceRange at);
 
 /// Bodies of all links that are not static, forces where a link feels no gravity, and the shapes of all links.
