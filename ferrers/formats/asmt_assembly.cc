@@ -4,6 +4,8 @@
 
 #include <optional>
 
+#include "ferrers/model/pose_spec.h"
+
 namespace ferrers {
 namespace {
 
@@ -81,7 +83,7 @@ void PartReader::read_mass(const AsmtRecord& part, BodySpec& body) {
     const double metres = import_.geometry.metres();
     body.inertia.kind = InertiaSpec::Kind::kTensor;
     body.inertia.moments = asmt_number3(metres * metres * *moments, moments_at);
-    body.inertia.rotation = asmt_pose_spec(*X_PC, moments_at).rotation;
+    body.inertia.rotation = pose_spec(*X_PC, moments_at).rotation;
     body.inertia.at = moments_at;
   }
   const bool ones = *mass == 1 && *moments == Eigen::Vector3d::Ones() && density == "1";
@@ -103,7 +105,7 @@ void PartReader::read_part(const AsmtRecord& record) {
   const std::optional<Pose> X_WP = import_.geometry.pose(record);
   BodySpec body;
   body.name = NameRef(import_.add_name("bodies", "body", name), at);
-  body.pose = asmt_pose_spec(X_WP.value_or(Pose()), record.at());
+  body.pose = pose_spec(X_WP.value_or(Pose()), record.at());
   note_motion(record);
   read_mass(record, body);
   skip_empty(record, {"FeatureOrder"});

@@ -91,18 +91,6 @@ void AsmtGeometry::tell_rounded() const {
                                   rounded_, rounded_ == 1 ? "x is" : "ces are", worst_));
 }
 
-PoseSpec asmt_pose_spec(const Pose& pose, SourceRange at) {
-  PoseSpec spec;
-  spec.position = asmt_number3(pose.p, at);
-  spec.at = at;
-  if (pose.R.isIdentity(0)) return spec;
-  const Eigen::Quaterniond q(pose.R);
-  spec.rotation.emplace();
-  spec.rotation->quaternion = {Number(q.w()), Number(q.x()), Number(q.y()), Number(q.z())};
-  spec.rotation->at = at;
-  return spec;
-}
-
 Number3 asmt_number3(const Eigen::Vector3d& vector, SourceRange at) {
   Number3 numbers = number3(vector.x(), vector.y(), vector.z());
   for (Number& one : numbers) one.at = at;

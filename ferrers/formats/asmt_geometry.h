@@ -38,7 +38,6 @@ class AsmtGeometry {
 };
 
 /// As a specification holds it.
-PoseSpec asmt_pose_spec(const Pose& pose, SourceRange at);
 Number3 asmt_number3(const Eigen::Vector3d& vector, SourceRange at);
 
 }  // namespace ferrers

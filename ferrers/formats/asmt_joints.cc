@@ -9,6 +9,7 @@
 
 #include "ferrers/formats/asmt_formulas.h"
 #include "ferrers/formats/asmt_relations.h"
+#include "ferrers/model/pose_spec.h"
 
 namespace ferrers {
 namespace {
@@ -75,7 +76,6 @@ class JointReader {
   double offset(const AsmtRecord& record, const JointClass& kind);
   void add_joint(const AsmtRecord& record, const JointClass& kind, AsmtMarker first, AsmtMarker second);
   Pose half_turned(const JointClass& kind, const Pose& X_12, const Pose& X_PM, SourceRange at);
-  void add_guess(const AsmtJoint& joint);
   void add_equations(const AsmtRecord& record, const JointClass& kind, const AsmtMarker& first,
                      const AsmtMarker& second);
 
@@ -143,49 +143,10 @@ void JointReader::add_joint(const AsmtRecord& record, const JointClass& kind, As
     joint.length = Number(length);
     joint.length->at = record.child(kind.length) ? record.child(kind.length).value_at() : record.at();
   } else {
-    joint.frames = {asmt_pose_spec(first.X_PM, first.at), asmt_pose_spec(second.X_PM, second.at)};
+    joint.frames = {pose_spec(first.X_PM, first.at), pose_spec(second.X_PM, second.at)};
   }
-  const AsmtJoint read{static_cast<int>(import_.spec.joints.size()), first, second, X_12};
+  joints_.all.push_back({static_cast<int>(import_.spec.joints.size()), first, second, X_12});
   import_.spec.joints.push_back(std::move(joint));
-  joints_.all.push_back(read);
-  add_guess(read);
-}
-
-/// The coordinates as stored, from where the assembly starts.
-void JointReader::add_guess(const AsmtJoint& joint) {
-  const JointSpec& spec = import_.spec.joints[static_cast<std::size_t>(joint.index)];
-  const Eigen::Matrix3d& R = joint.X_12.R;
-  std::vector<double> position;
-  switch (spec.type) {
-    case JointType::kRevolute:
-      position = {joint.angle()};
-      break;
-    case JointType::kPrismatic:
-      position = {joint.displacement()};
-      break;
-    case JointType::kCylindrical:
-      position = {joint.angle(), joint.displacement()};
-      break;
-    case JointType::kUniversal:
-      position = {joint.angle(), std::atan2(R(2, 1), R(2, 2))};
-      break;
-    case JointType::kPlanar:
-      position = {joint.X_12.p.x(), joint.X_12.p.y(), joint.angle()};
-      break;
-    case JointType::kSpherical: {
-      const Eigen::Quaterniond q(R);
-      position = {q.w(), q.x(), q.y(), q.z()};
-      break;
-    }
-    default:
-      return;  // no coordinates
-  }
-  InitialSpec guess;
-  guess.joint = spec.name;
-  for (const double value : position) guess.position.emplace_back(value);
-  guess.guess = true;
-  guess.at = spec.name.at;
-  import_.spec.initial.push_back(std::move(guess));
 }
 
 void JointReader::add_equations(const AsmtRecord& record, const JointClass& kind, const AsmtMarker& first,

@@ -89,16 +89,6 @@ TEST(AsmtJointsTest, ClassesWithACounterpartBecomeIt) {
   }
 }
 
-TEST(AsmtJointsTest, TheAssemblyStartsFromTheStoredCoordinates) {
-  const Read result = read(joined("CylindricalJoint", turned(0.4, Eigen::Vector3d::UnitZ(), {0, 0, 5})));
-  ASSERT_EQ(result.model.spec.initial.size(), 1U);
-  const InitialSpec& guess = result.model.spec.initial[0];
-  EXPECT_TRUE(guess.guess);
-  ASSERT_EQ(guess.position.size(), 2U);
-  EXPECT_NEAR(guess.position[0].value, 0.4, 1e-12);
-  EXPECT_NEAR(guess.position[1].value, 0.005, 1e-15);
-}
-
 TEST(AsmtJointsTest, FramesHalfATurnApartAreReadWithThatHalfTurn) {
   const Pose flipped = turned(std::numbers::pi, Eigen::Vector3d::UnitX());
   for (const char* const kind : {"RevoluteJoint", "FixedJoint", "TranslationalJoint", "PlanarJoint"}) {
