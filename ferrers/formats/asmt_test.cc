@@ -100,7 +100,7 @@ TEST(AsmtTest, NamesLoseTheDocumentThatAllShare) {
 TEST(AsmtTest, MarkersStandInTheFrameOfTheirRefPoint) {
   std::string text = two_parts().text();
   const std::string plain = "Position3D\n\t\t\t\t\t\t0\t0\t0";
-  text.replace(text.find(plain), plain.size(), "Position3D\n\t\t\t\t\t\t0\t5\t0");
+  text.replace(text.rfind(plain), plain.size(), "Position3D\n\t\t\t\t\t\t0\t5\t0");
   const std::string joint = "\t\tJoints\n";
   text.insert(text.find(joint) + joint.size(),
               "\t\t\tSphericalJoint\n\t\t\t\tName\n\t\t\t\t\tball\n\t\t\t\tMarkerI\n\t\t\t\t\t/A/base\n"
@@ -160,19 +160,19 @@ TEST(AsmtTest, BrokenFilesAreRefusedAtTheirPlace) {
       {"Position3D\n\t\t\t\t100", "Place\n\t\t\t\t100", "F202", 34, 3},
       {"MomentOfInertias", "Moments", "F202", 43, 4},
       {"\t\t\t\t\t2\n", "\t\t\t\t\ttwo\n", "F206", 53, 6},
-      {"MarkerJ\n\t\t\t\t\t/A/crank/pin", "MarkerJ\n\t\t\t\t\t/A/crank/pan", "F604", 89, 6},
-      {"MarkerJ\n\t\t\t\t\t/A/crank/pin", "MarkerJ\n\t\t\t\t\t/A/base", "F604", 83, 4},
-      {"MarkerI\n", "Marker\n", "F202", 83, 4},
-      {"RevoluteJoint", "RevolutionJoint", "F602", 83, 4},
-      {"RotationalMotion", "GeneralMotion", "F602", 91, 4},
+      {"MarkerJ\n\t\t\t\t\t/A/crank/pin", "MarkerJ\n\t\t\t\t\t/A/crank/pan", "F604", 87, 6},
+      {"MarkerJ\n\t\t\t\t\t/A/crank/pin", "MarkerJ\n\t\t\t\t\t/A/base", "F604", 81, 4},
+      {"MarkerI\n", "Marker\n", "F202", 81, 4},
+      {"RevoluteJoint", "RevolutionJoint", "F602", 81, 4},
+      {"RotationalMotion", "GeneralMotion", "F602", 89, 4},
       {"MotionJoint\n\t\t\t\t\t/A/hinge\n\t\t\t\tRotationZ", "MotionJoint\n\t\t\t\t\t/A/hinges\n\t\t\t\tRotationZ",
-       "F604", 95, 6},
-      {"2*time", "2*tide", "F401", 97, 8},
-      {"=<", "==", "F209", 106, 6},
-      {"Limit\n\t\t\t\t\t1", "Limit\n\t\t\t\t\ttime", "F602", 104, 6},
-      {"GeneralConstraintSets\n", "GeneralConstraintSets\n\t\t\tCam\n", "F602", 110, 4},
-      {"ForceTorques\n", "ForceTorques\n\t\tForceTorque\n", "F602", 111, 3},
-      {"\t-9810", "", "F208", 112, 3},
+       "F604", 93, 6},
+      {"2*time", "2*tide", "F401", 95, 8},
+      {"=<", "==", "F209", 105, 6},
+      {"Limit\n\t\t\t\t\t1", "Limit\n\t\t\t\t\ttime", "F602", 103, 6},
+      {"GeneralConstraintSets\n", "GeneralConstraintSets\n\t\t\tCam\n", "F602", 109, 4},
+      {"ForceTorques\n", "ForceTorques\n\t\tForceTorque\n", "F602", 110, 3},
+      {"\t-9810", "", "F208", 111, 3},
   };
   for (const Broken& one : all) {
     std::string text = hinged();
