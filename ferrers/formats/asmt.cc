@@ -19,7 +19,7 @@ namespace {
 constexpr std::string_view kOndsel = "OndselSolver";
 constexpr std::string_view kAskoh = "freeCAD: 3D CAD with Motion Simulation";
 
-/// Metres in a unit of length, by the first line; nothing, with an error, where this is no ASMT file.
+/// Units of length in a metre, by the first line; nothing, with an error, where this is no ASMT file.
 std::optional<double> unit_of_length(const std::vector<AsmtRecord>& top, Diagnostics& diagnostics) {
   const bool ondsel = !top.empty() && top.front().name() == kOndsel;
   const bool askoh = !top.empty() && top.front().name().substr(0, kAskoh.size()) == kAskoh;
@@ -33,7 +33,7 @@ std::optional<double> unit_of_length(const std::vector<AsmtRecord>& top, Diagnos
                      ondsel ? "lengths are read as millimetres, masses as kg, angles as rad"
                             : "lengths are read as metres, masses as kg, angles as rad",
                      "the first line decides: FreeCAD's Assembly workbench writes 'OndselSolver' and works in mm");
-  return ondsel ? 1e-3 : 1.0;
+  return ondsel ? 1000.0 : 1.0;
 }
 
 /// "Document#", where all names of parts and joints that have a '#' start so.
@@ -89,7 +89,7 @@ void read_gravity(const AsmtRecord& assembly, AsmtImport& import) {
   if (!gravity) return;
   const auto g = import.geometry.triple(assembly, "ConstantGravity");
   if (!g) return;
-  import.spec.gravity = asmt_number3(import.geometry.metres() * *g, gravity.value_at());
+  import.spec.gravity = asmt_number3(*g / import.geometry.per_metre(), gravity.value_at());
   if (g->isZero(0)) {
     import.diagnostics.notice("F603", gravity.value_at(), "there is no gravity, as the file says");
   }
@@ -99,9 +99,10 @@ void tell_simulation(const AsmtRecord& assembly, AsmtImport& import) {
   const AsmtRecord record = assembly.child("SimulationParameters");
   if (!record) return;
   record.mark_read_with_all();
-  const auto text = [&](std::string_view name) {
-    const AsmtRecord one = record.child(name);
-    return one ? std::string(one.value(import.diagnostics)) : std::string("?");
+  const auto text = [&](std::string_view name) -> std::string {
+    Diagnostics ignored;  // nobody needs these numbers
+    const auto value = AsmtGeometry(1, ignored).number(record, name);
+    return value ? fmt::format("{}", *value) : "?";
   };
   import.diagnostics.notice("F601", record.at(),
                             fmt::format("'SimulationParameters' are not part of a model: the file asks for {} to {} s "
@@ -119,6 +120,13 @@ void tell_results(const std::vector<AsmtRecord>& top, Diagnostics& diagnostics) 
 
 void read_assembly(const AsmtRecord& assembly, AsmtImport& import) {
   import.shared_prefix = shared_prefix(assembly);
+  if (import.context.options.base != ImportBase::kAsInFile) {
+    import.diagnostics.warning("F601", assembly.at(), "what is fixed to ground is said by joints of the file alone");
+  }
+  if (!import.shared_prefix.empty()) {
+    import.diagnostics.notice("F603", assembly.at(),
+                              fmt::format("names are read without '{}', the document's name", import.shared_prefix));
+  }
   read_notes(assembly, import);
   read_asmt_parts(assembly, import);
   import.spec.name = import.assembly == "OndselAssembly" ? std::string() : import.assembly;  // what all are called
@@ -147,14 +155,14 @@ ImportedModel read_asmt(std::string_view text, const ImportContext& context) {
   const std::unique_ptr<const AsmtDocument> document = AsmtDocument::parse(text, context.diagnostics);
   if (!document) return model;
   const std::vector<AsmtRecord> top = document->top();
-  const std::optional<double> metres = unit_of_length(top, context.diagnostics);
-  if (!metres) return model;
+  const std::optional<double> per_metre = unit_of_length(top, context.diagnostics);
+  if (!per_metre) return model;
   if (top.size() < 2 || top[1].name() != "Assembly") {
     context.diagnostics.error("F605", top.back().at(), "the second line is not 'Assembly'");
     return model;
   }
   top[1].mark_read();
-  AsmtImport import(context, *metres);
+  AsmtImport import(context, *per_metre);
   read_assembly(top[1], import);
   tell_results(top, context.diagnostics);
   if (!context.diagnostics.has_errors()) document->report_unread(context.diagnostics);

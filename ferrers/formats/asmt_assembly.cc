@@ -80,9 +80,9 @@ void PartReader::read_mass(const AsmtRecord& part, BodySpec& body) {
   body.mass->at = at;
   body.com = asmt_number3(X_PC->p, marker.child("Position3D").value_at());
   if (!moments->isZero(0)) {
-    const double metres = import_.geometry.metres();
+    const double per_metre = import_.geometry.per_metre();
     body.inertia.kind = InertiaSpec::Kind::kTensor;
-    body.inertia.moments = asmt_number3(metres * metres * *moments, moments_at);
+    body.inertia.moments = asmt_number3(*moments / (per_metre * per_metre), moments_at);
     body.inertia.rotation = pose_spec(*X_PC, moments_at).rotation;
     body.inertia.at = moments_at;
   }
@@ -122,7 +122,7 @@ void PartReader::tell() {
         "F603", placeholder_at_,
         fmt::format("{} of {} parts have mass 1 kg and moments of inertia of 1, which FreeCAD writes whatever the part",
                     placeholders_, parts),
-        "ranks, mobility and motion do not depend on it; for forces put the true mass data in");
+        "ranks, mobility and driven motion do not depend on it; for forces put the true mass data in");
   }
   if (massless_ > 0) {
     import_.diagnostics.notice("F603", massless_at_,

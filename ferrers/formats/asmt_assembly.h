@@ -22,8 +22,8 @@ struct AsmtMarker {
 
 /// What all readers of parts of one ASMT file share: the specification that they fill, and what they found.
 struct AsmtImport {
-  AsmtImport(const ImportContext& given, double metres)
-      : context(given), diagnostics(given.diagnostics), geometry(metres, given.diagnostics) {}
+  AsmtImport(const ImportContext& given, double per_metre)
+      : context(given), diagnostics(given.diagnostics), geometry(per_metre, given.diagnostics) {}
 
   const ImportContext& context;
   Diagnostics& diagnostics;

@@ -55,7 +55,7 @@ void add_asmt_constraint(AsmtImport& import, std::string_view name, const std::s
   if (!parsed) throw std::logic_error("a formula of the ASMT reader cannot be parsed: " + formula);
   ConstraintSpec constraint;
   constraint.name = NameRef(import.names.add("joints", "constraint", name), at);
-  constraint.formula = *parsed;
+  constraint.formula = parsed->simplified();
   constraint.at = at;
   import.spec.constraints.push_back(std::move(constraint));
 }

@@ -81,7 +81,7 @@ std::optional<Pose> AsmtGeometry::pose(const AsmtRecord& owner) {
   const std::optional<Eigen::Vector3d> position = triple(owner, "Position3D");
   const std::optional<Eigen::Matrix3d> turned = rotation(owner);
   if (!position || !turned) return std::nullopt;
-  return Pose(*turned, metres_ * *position);
+  return Pose(*turned, *position / per_metre_);
 }
 
 void AsmtGeometry::tell_rounded() const {

@@ -12,9 +12,9 @@ namespace ferrers {
 /// Positions and rotations of an ASMT file, in SI. Remembers the worst rotation matrix for one notice about all.
 class AsmtGeometry {
  public:
-  AsmtGeometry(double metres, Diagnostics& diagnostics) : metres_(metres), diagnostics_(diagnostics) {}
+  AsmtGeometry(double per_metre, Diagnostics& diagnostics) : per_metre_(per_metre), diagnostics_(diagnostics) {}
 
-  double metres() const { return metres_; }  ///< Of one unit of length of the file.
+  double per_metre() const { return per_metre_; }  ///< Units of length of the file in a metre.
 
   /// Three numbers under `owner`'s record `name`; nothing, with an error (F202, F206, F208), where they are not there.
   std::optional<Eigen::Vector3d> triple(const AsmtRecord& owner, std::string_view name) const;
@@ -30,7 +30,7 @@ class AsmtGeometry {
  private:
   std::optional<Eigen::Matrix3d> rotation(const AsmtRecord& owner);
 
-  double metres_;
+  double per_metre_;
   Diagnostics& diagnostics_;
   int rounded_ = 0;  ///< Matrices farther than 1e-9 from a rotation.
   double worst_ = 0;

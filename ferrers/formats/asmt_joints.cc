@@ -99,7 +99,7 @@ std::string JointReader::own_name(const AsmtRecord& record) {
 
 double JointReader::offset(const AsmtRecord& record, const JointClass& kind) {
   if (kind.length.empty() || !record.child(kind.length)) return 0;
-  return import_.geometry.metres() * import_.geometry.number(record, kind.length).value_or(0);
+  return import_.geometry.number(record, kind.length).value_or(0) / import_.geometry.per_metre();
 }
 
 /// The second's frame turned by half a turn, about the axis that brings it nearest to the first's: the equations of

@@ -72,7 +72,7 @@ void read_motion(const AsmtRecord& record, const AsmtJoints& joints, AsmtImport&
   }
   const auto [text, at] = asmt_text(import, record, rotation ? "RotationZ" : "TranslationZ");
   const std::optional<Target> target = find_target(record, joints, import);
-  const double unit = rotation ? 1 : import.geometry.metres();
+  const double unit = rotation ? 1 : 1 / import.geometry.per_metre();
   const std::optional<Expression> law =
       read_asmt_law(text, at, target && target->reversed ? -unit : unit, import.diagnostics);
   if (!target || !law) return;
@@ -110,7 +110,7 @@ void read_limit(const AsmtRecord& record, const AsmtJoints& joints, AsmtImport& 
     import.diagnostics.error("F209", type_at, fmt::format("'{}' is no type of limit", type), "'=<' or '=>'");
   }
   const std::optional<Target> target = find_target(record, joints, import);
-  const auto law = read_asmt_law(text, at, rotation ? 1 : import.geometry.metres(), import.diagnostics);
+  const auto law = read_asmt_law(text, at, rotation ? 1 : 1 / import.geometry.per_metre(), import.diagnostics);
   if (!target || !law || upper == lower) return;
   const std::optional<double> value = law->constant_value();
   if (!value) {

@@ -165,7 +165,7 @@ AsmtRelation read_asmt_relation(AsmtRelationKind kind, const AsmtRecord& record,
       import.diagnostics.error("F206", record.child(which).value_at(),
                                fmt::format("'{}' of '{}' is zero", which, name));
     }
-    return import.geometry.metres() * value.value_or(0);
+    return value.value_or(0) / import.geometry.per_metre();
   };
   switch (kind) {
     case AsmtRelationKind::kGear:
