@@ -22,9 +22,10 @@ enum class ImportBase {
 
 struct ImportOptions {
   ImportBase base = ImportBase::kAsInFile;
-  bool ignore_armature = false;  ///< Leaves out the inertias of rotors.
-  bool ignore_springs = false;   ///< Leaves out springs of joints.
-  bool ignore_damping = false;   ///< Leaves out damping and friction of joints.
+  bool ignore_armature = false;      ///< Leaves out the inertias of rotors.
+  bool ignore_springs = false;       ///< Leaves out springs of joints.
+  bool ignore_damping = false;       ///< Leaves out damping and friction of joints.
+  bool merge_revolute_rows = false;  ///< One joint for revolute joints that stand for a spherical or universal one.
   /// URDF: the file of closed loops; absent: looked for beside the model.
   std::optional<std::filesystem::path> closures;
 };

@@ -1,10 +1,13 @@
 #include "ferrers/formats/urdf.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
+#include "ferrers/formats/joint_recognition.h"
 #include "ferrers/formats/urdf_import.h"
 
 namespace ferrers {
@@ -32,6 +35,32 @@ void mark_name_spaces(const XmlElement& robot) {
   }
 }
 
+/// Rows of revolute joints that stand for one: merged where that is asked for, else told.
+void treat_revolute_rows(ImportedModel& model, const ImportContext& context) {
+  const std::vector<RevoluteRow> rows = find_revolute_rows(model.spec);
+  if (rows.empty()) return;
+  if (!context.options.merge_revolute_rows) {
+    const RevoluteRow& first = rows.front();
+    context.diagnostics.notice(
+        "F603", {},
+        fmt::format("the revolute joints '{}' move like one {} joint and stay as they are{}",
+                    fmt::join(first.joints, "', '"), first.type == JointType::kSpherical ? "spherical" : "universal",
+                    rows.size() > 1 ? fmt::format(", and so do {} more rows", rows.size() - 1) : ""));
+    return;
+  }
+  merge_revolute_rows(model.spec, rows, context.diagnostics);
+  const auto is_gone = [&](const VisualShape& shape) {
+    return std::any_of(rows.begin(), rows.end(), [&](const RevoluteRow& row) {
+      return std::find(row.between.begin(), row.between.end(), shape.body) != row.between.end();
+    });
+  };
+  const auto gone = std::remove_if(model.visuals.begin(), model.visuals.end(), is_gone);
+  if (gone == model.visuals.end()) return;
+  context.diagnostics.notice(
+      "F603", {}, fmt::format("{} shapes of links between merged joints are left out", model.visuals.end() - gone));
+  model.visuals.erase(gone, model.visuals.end());
+}
+
 }  // namespace
 
 ImportedModel read_urdf(std::string_view text, const ImportContext& context) {
@@ -57,6 +86,7 @@ ImportedModel read_urdf(std::string_view text, const ImportContext& context) {
   import_urdf_loops(import);
   import_urdf_transmissions(import);
   if (closures) import_urdf_closures(import, *closures);
+  treat_revolute_rows(import.model, context);
   document->report_unread(context.diagnostics, kQuiet);
   import.model.renamed = import.names.renamed();
   return std::move(import.model);
