@@ -11,6 +11,7 @@
 #include <set>
 
 #include "ferrers/math/rotation.h"
+#include "ferrers/model/pose_spec.h"
 
 namespace ferrers {
 namespace {
@@ -40,18 +41,6 @@ std::optional<Pose> plain_pose(const PoseSpec& spec) {
   if (!(quaternion.norm() > 0)) return std::nullopt;
   pose.R = quaternion.normalized().toRotationMatrix();
   return pose;
-}
-
-PoseSpec pose_in_numbers(const Pose& pose, SourceRange at) {
-  PoseSpec spec;
-  spec.at = at;
-  spec.position = number3(pose.p.x(), pose.p.y(), pose.p.z());
-  const Eigen::Quaterniond q(pose.R);
-  RotationSpec rotation;
-  rotation.at = at;
-  rotation.quaternion = {Number(q.w()), Number(q.x()), Number(q.y()), Number(q.z())};
-  spec.rotation = rotation;
-  return spec;
 }
 
 /// Every name that the specification uses beside the definitions of joints and bodies themselves.
@@ -256,7 +245,7 @@ JointSpec merged(const RevoluteRow& row, const std::vector<const JointSpec*>& jo
   joint.name = joints.front()->name;
   joint.type = row.type;
   joint.bodies = {joints.front()->bodies[0], joints.back()->bodies[1]};
-  joint.frames = {pose_in_numbers(X_aF, joint.name.at), pose_in_numbers(X_ab.inverse() * X_aF, joint.name.at)};
+  joint.frames = {pose_spec(X_aF, joint.name.at), pose_spec(X_ab.inverse() * X_aF, joint.name.at)};
   return joint;
 }
 

@@ -35,11 +35,12 @@ void mark_name_spaces(const XmlElement& robot) {
   }
 }
 
-/// Rows of revolute joints that stand for one: merged where that is asked for, else told.
+/// Rows of revolute joints that stand for one: merged where that is asked for or loops are closed, else told.
 void treat_revolute_rows(ImportedModel& model, const ImportContext& context) {
   const std::vector<RevoluteRow> rows = find_revolute_rows(model.spec);
   if (rows.empty()) return;
-  if (!context.options.merge_revolute_rows) {
+  const bool has_loops = model.spec.joints.size() > model.spec.bodies.size();
+  if (!context.options.merge_revolute_rows.value_or(has_loops)) {
     const RevoluteRow& first = rows.front();
     context.diagnostics.notice(
         "F603", {},

@@ -35,6 +35,7 @@ class ClosuresReader {
       if (one.severity == Severity::kError) fail(one.code, one.at, one.message, one.hint);
     }
     if (failed_ || !root) return std::nullopt;
+    if (root->find("ferrers") != nullptr) return not_used();
     if (root->kind != DocumentNode::Kind::kMap) {
       fail("F203", root->at, "a file of closures is a map of 'closed_loop', 'type', 'name_mot' and so on");
       return std::nullopt;
@@ -48,6 +49,13 @@ class ClosuresReader {
     for (const auto& [motor, at] : names(*root, "name_mot")) closures_.motors.push_back({motor, "", place(at)});
     if (failed_) return std::nullopt;
     return std::move(closures_);
+  }
+
+  /// Another file that happens to lie there.
+  std::optional<UrdfClosures> not_used() {
+    diagnostics_.notice("F603", {}, fmt::format("'{}' is no file of closures and is not used", closures_.file),
+                        "a file of closures has the keys 'closed_loop' and 'type'");
+    return std::nullopt;
   }
 
  private:
@@ -246,12 +254,8 @@ std::optional<UrdfClosures> read_urdf_closures(const ImportContext& context) {
   const bool is_one = std::any_of(kKeys.begin(), kKeys.end(), [&](std::string_view key) {
     return key.size() > 4 && text->find(key) != std::string::npos;
   });
-  if (!is_one) {
-    context.diagnostics.notice("F603", {}, fmt::format("'{}' is no file of closures and is not used", file),
-                               "a file of closures has the keys 'closed_loop' and 'type'");
-    return std::nullopt;
-  }
-  std::optional<UrdfClosures> closures = ClosuresReader(file, context.diagnostics).read(*text);
+  ClosuresReader reader(file, context.diagnostics);
+  std::optional<UrdfClosures> closures = is_one ? reader.read(*text) : reader.not_used();
   if (closures) {
     context.diagnostics.notice(
         "F603", {},

@@ -6,6 +6,7 @@
 
 #include "ferrers/formats/urdf_import.h"
 #include "ferrers/formats/urdf_values.h"
+#include "ferrers/model/pose_spec.h"
 
 namespace ferrers {
 namespace {
@@ -101,6 +102,10 @@ void read_mimic(UrdfImport& import, const UrdfJoint& joint) {
   const Number multiplier = attribute_number(mimic, "multiplier", diagnostics).value_or(Number(1));
   const Number offset = attribute_number(mimic, "offset", diagnostics).value_or(Number(0));
   if (!found) return;
+  if (joint.type == "fixed") {
+    diagnostics.notice("F603", mimic.at(), fmt::format("<mimic> of the fixed joint '{}' is not used", joint.name));
+    return;
+  }
   const UrdfJoint& other = import.joint(*found);
   const SourceRange at = mimic.attribute_at("joint");
   for (const UrdfJoint* one : std::array<const UrdfJoint*, 2>{&joint, &other}) {

@@ -2,11 +2,27 @@
 
 #include "ferrers/formats/urdf_import.h"
 #include "ferrers/formats/urdf_values.h"
+#include "ferrers/model/mass_properties.h"
+#include "ferrers/model/pose_spec.h"
 
 namespace ferrers {
 namespace {
 
 constexpr std::string_view kGround = "ground";
+
+/// Files hold moments that no body has. They are taken as they are where the motion is determined with them, which
+/// `build_model` warns of; a tensor of rounding errors, of a radius of gyration below 1e-6 m, is that of a point.
+void treat_unphysical(BodySpec& body, Diagnostics& diagnostics) {
+  const auto vector = [](const Number3& n) { return Eigen::Vector3d(n[0].value, n[1].value, n[2].value); };
+  const Eigen::Matrix3d tensor = inertia_tensor(vector(body.inertia.moments), vector(body.inertia.products));
+  const InertiaVerdict verdict = check_inertia(tensor);
+  if (verdict == InertiaVerdict::kPhysical) return;
+  body.inertia.unphysical = true;
+  if (!(tensor.cwiseAbs().maxCoeff() <= 1e-12 * body.mass->value)) return;
+  diagnostics.notice("F603", body.inertia.at,
+                     fmt::format("the inertia of '{}' is rounding only: it is a point mass", body.name.name));
+  body.inertia = InertiaSpec();
+}
 
 /// Mass, mass centre and tensor of `<inertial>`, about axes through the mass centre that its origin turns.
 void read_inertial(const XmlElement& inertial, BodySpec& body, Diagnostics& diagnostics) {
@@ -25,6 +41,7 @@ void read_inertial(const XmlElement& inertial, BodySpec& body, Diagnostics& diag
   body.inertia.moments = {entry("ixx"), entry("iyy"), entry("izz")};
   body.inertia.products = {entry("ixy"), entry("ixz"), entry("iyz")};
   body.inertia.rotation = pose_spec(X_LC, origin ? origin.at() : tensor.at()).rotation;
+  treat_unphysical(body, diagnostics);
 }
 
 /// A root link called 'world' that weighs nothing stands for the ground.

@@ -5,6 +5,7 @@
 
 #include "ferrers/formats/urdf_import.h"
 #include "ferrers/formats/urdf_values.h"
+#include "ferrers/model/pose_spec.h"
 
 namespace ferrers {
 namespace {

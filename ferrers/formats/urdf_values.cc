@@ -79,19 +79,6 @@ Number3 number3(const Eigen::Vector3d& vector, SourceRange at) {
   return numbers;
 }
 
-PoseSpec pose_spec(const Pose& pose, SourceRange at) {
-  PoseSpec spec;
-  spec.at = at;
-  spec.position = number3(pose.p, at);
-  if (pose.R.isIdentity(0)) return spec;
-  const Eigen::Quaterniond q(pose.R);
-  RotationSpec rotation;
-  rotation.at = at;
-  rotation.quaternion = {Number(q.w()), Number(q.x()), Number(q.y()), Number(q.z())};
-  spec.rotation = rotation;
-  return spec;
-}
-
 Pose along_axis(const Pose& frame, const Eigen::Vector3d& axis) {
   if (axis == Eigen::Vector3d::UnitZ()) return frame;
   return {frame.R * frame_from_z(axis), frame.p};

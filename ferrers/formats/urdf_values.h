@@ -31,8 +31,7 @@ Pose read_origin(const XmlElement& element, Diagnostics& diagnostics);
 /// `<axis xyz>` of `element` as a unit vector, else x; F206 where it has no direction.
 Eigen::Vector3d read_axis(const XmlElement& element, Diagnostics& diagnostics);
 
-/// A frame as a specification keeps it.
-PoseSpec pose_spec(const Pose& pose, SourceRange at);
+/// A vector as a specification keeps it.
 Number3 number3(const Eigen::Vector3d& vector, SourceRange at);
 
 /// The same frame, turned so that its z axis is `axis` (a unit vector of the frame). Its x axis is a coordinate axis

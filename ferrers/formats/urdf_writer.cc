@@ -265,7 +265,7 @@ class UrdfWriter {
 
   void close_loop(const Joint& joint) {
     if (!can_carry(joint.type)) {
-      told("the {} joint '{}' is left out", joint_type_info(joint.type).name, joint.name);
+      lost("the {} joint '{}' is left out", joint_type_info(joint.type).name, joint.name);
       return;
     }
     if (joint.type == JointType::kFree) return;  // holds nothing
@@ -293,17 +293,17 @@ class UrdfWriter {
     for (const ForceElement& force : model_.forces()) {
       const auto* one = std::get_if<JointDamping>(&force.element);
       if (one == nullptr || written(one->coordinate.joint) == nullptr) {
-        told("the force element '{}' is left out", force.name);
+        lost("the force element '{}' is left out", force.name);
       } else {
         damping[one->coordinate.joint.index()] += one->damping;
       }
     }
     for (std::size_t i = 0; i < model_.coordinates_begin(); ++i) {
       const Joint& joint = model_.joints()[i];
-      if (joint.stiffness || joint.misalignment) told("stiffness and misalignment of '{}' are left out", joint.name);
+      if (joint.stiffness || joint.misalignment) lost("stiffness and misalignment of '{}' are left out", joint.name);
       if (!joint.friction) continue;
       if (has_one_coordinate(joint.type)) damping[static_cast<int>(i)] += joint.friction->viscous;
-      if (joint.friction->coulomb > 0) told("Coulomb friction in '{}' is left out", joint.name);
+      if (joint.friction->coulomb > 0) lost("Coulomb friction in '{}' is left out", joint.name);
     }
     for (const auto& [joint, c] : damping) {
       if (WrittenJoint* one = written(JointId(joint))) {
@@ -339,7 +339,7 @@ class UrdfWriter {
       WrittenJoint* first = found ? written(coupling.scalars[0].coordinate.joint) : nullptr;
       const WrittenJoint* second = found ? written(coupling.scalars[1].coordinate.joint) : nullptr;
       if (first == nullptr || second == nullptr || !first->mimic.empty()) {
-        told("the coupling or constraint '{}' is left out", coupling.name);
+        lost("the coupling or constraint '{}' is left out", coupling.name);
         continue;
       }
       first->mimic = fmt::format(R"(<mimic joint="{}" multiplier="{}" offset="{}"/>)", second->name,
@@ -352,16 +352,22 @@ class UrdfWriter {
     diagnostics_.notice("F607", {}, "URDF: " + fmt::format(text, std::forward<Arguments>(arguments)...));
   }
 
+  /// Of what makes the written mechanism another one.
+  template <class... Arguments>
+  void lost(fmt::format_string<Arguments...> text, Arguments&&... arguments) {
+    diagnostics_.warning("F607", {}, "URDF: " + fmt::format(text, std::forward<Arguments>(arguments)...));
+  }
+
   void tell_what_is_left_out() {
     const auto count = [&](std::size_t n, std::string_view what) {
       if (n > 0) told("{} {} left out", n, what);
     };
-    if (model_.gravity() != Vector3d(0, 0, -9.81)) told("gravity is left out; readers take their own");
+    if (model_.gravity() != Vector3d(0, 0, -9.81)) lost("gravity is left out; readers take their own");
     count(model_.initial().size(), "initial values are");
     count(model_.records().size() + model_.recorded_formulas().size(), "records are");
     count(model_.events().size(), "events are");
     count(model_.parameters().size(), "parameters are numbers now and");
-    if (model_.spec().lagrangian.given()) told("energies and coordinates of 'lagrangian' are left out");
+    if (model_.spec().lagrangian.given()) lost("energies and coordinates of 'lagrangian' are left out");
   }
 
   std::string inertial_text(const WrittenLink& link) const {
