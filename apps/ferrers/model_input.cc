@@ -139,6 +139,12 @@ void add_import_options(CLI::App& verb, ImportOptions& options) {
       ->allow_extra_args(false)
       ->type_name("LIST")
       ->group(group);
+  verb.add_option_function<std::string>(
+          "--revolute-rows", [&options](const std::string& word) { options.merge_revolute_rows = word == "merge"; },
+          "URDF: revolute joints in a row that stand for one joint; else merged where loops are closed")
+      ->check(CLI::IsMember({"merge", "keep"}))
+      ->type_name("merge|keep")
+      ->group(group);
   verb.add_option("--closures", options.closures, "URDF: file of closed loops; else NAME.yaml beside NAME.urdf")
       ->type_name("FILE")
       ->group(group);

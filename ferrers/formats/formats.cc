@@ -49,6 +49,19 @@ FileLoader loader_beside(const fs::path& model, const std::optional<fs::path>& n
   };
 }
 
+/// The file of closures of a URDF file: of the same name, else `robot.yaml` where it is no other file's.
+std::optional<fs::path> closures_beside(const fs::path& model) {
+  std::error_code ignored;
+  fs::path beside = model;
+  beside.replace_extension(".yaml");
+  if (fs::exists(beside, ignored)) return beside;
+  const fs::path folder = model.parent_path();
+  if (fs::exists(folder / "robot.yaml", ignored) && !fs::exists(folder / "robot.urdf", ignored)) {
+    return folder / "robot.yaml";
+  }
+  return std::nullopt;
+}
+
 void append_sorted(Diagnostics& to, const Diagnostics& more) {
   to.append(more);
   to.sort_by_place();
@@ -124,10 +137,7 @@ ModelFile read_any_model_file(const fs::path& path, const ReadModelOptions& opti
   }
   ImportOptions own = import;
   if (format == ModelFormat::kUrdf && !own.closures) {
-    fs::path beside = path;
-    beside.replace_extension(".yaml");
-    std::error_code ignored;
-    if (fs::exists(beside, ignored)) own.closures = beside;
+    own.closures = closures_beside(path);
   }
   return read_any_model_text(std::move(*text), path.string(), format, loader_beside(path, own.closures), options, own);
 }
