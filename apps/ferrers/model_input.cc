@@ -18,6 +18,7 @@ using namespace ferrers;  // NOLINT(google-build-using-namespace): the command s
 namespace {
 
 constexpr std::size_t kMostOpenJoints = 10;
+constexpr std::size_t kMostRenamed = 12;
 constexpr double kRounding = 1e-15;  // m or rad: no share of a contradiction
 
 /// Colours the severity and the underline of a formatted diagnostic.
@@ -67,6 +68,29 @@ SourceRange place_of(const ModelSpec& spec, const std::string& name) {
   return {};
 }
 
+ImportBase base_of(const std::string& word) { return word == "free" ? ImportBase::kFree : ImportBase::kFixed; }
+
+void ignore(const std::vector<std::string>& words, ImportOptions& options) {
+  const auto has = [&](std::string_view word) { return std::find(words.begin(), words.end(), word) != words.end(); };
+  options.ignore_armature = has("armature");
+  options.ignore_springs = has("springs");
+  options.ignore_damping = has("damping");
+}
+
+/// The map of names, as one notice.
+void tell_renamed(LoadedModel& loaded) {
+  if (loaded.renamed.empty()) return;
+  std::string map;
+  const std::size_t shown = std::min(loaded.renamed.size(), kMostRenamed);
+  for (std::size_t i = 0; i < shown; ++i) {
+    const RenamedThing& one = loaded.renamed[i];
+    map += fmt::format("{}{} '{}' is '{}'", i > 0 ? ", " : "", one.kind, one.original, one.name);
+  }
+  if (shown < loaded.renamed.size()) map += fmt::format(", and {} more", loaded.renamed.size() - shown);
+  loaded.diagnostics.notice("F603", {}, "names that had to change: " + map,
+                            shown < loaded.renamed.size() ? "'ferrers convert' lists them all" : "");
+}
+
 std::string gap_text(const Model& model, const OpenJoint& open) {
   const bool coupling = std::any_of(model.couplings().begin(), model.couplings().end(),
                                     [&](const Coupling& one) { return one.name == open.name; });
@@ -99,8 +123,29 @@ void report_contradiction(LoadedModel& loaded, const ContradictionReport& contra
 
 }  // namespace
 
+void add_import_options(CLI::App& verb, ImportOptions& options) {
+  const std::string group = "Files of other programs";
+  verb.add_option_function<std::string>(
+          "--base", [&options](const std::string& word) { options.base = base_of(word); },
+          "whether the root is fixed to ground; else URDF: fixed, others: as the file says")
+      ->check(CLI::IsMember({"fixed", "free"}))
+      ->type_name("fixed|free")
+      ->group(group);
+  verb.add_option_function<std::vector<std::string>>(
+          "--ignore", [&options](const std::vector<std::string>& words) { ignore(words, options); },
+          "leave out armature, springs, damping of joints")
+      ->check(CLI::IsMember({"armature", "springs", "damping"}))
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->type_name("LIST")
+      ->group(group);
+  verb.add_option("--closures", options.closures, "URDF: file of closed loops; else NAME.yaml beside NAME.urdf")
+      ->type_name("FILE")
+      ->group(group);
+}
+
 void add_model_options(CLI::App& verb, ModelOptions& options) {
-  verb.add_option("MODEL", options.file, "model file, YAML or JSON")->required()->type_name("");
+  verb.add_option("MODEL", options.file, "model file: YAML or JSON, URDF, MJCF, SDF, ASMT")->required()->type_name("");
   verb.add_option("-p,--parameter", options.parameters, "set a parameter of the model; may carry a unit; repeatable")
       ->type_name("NAME=VALUE")
       ->allow_extra_args(false);
@@ -108,6 +153,7 @@ void add_model_options(CLI::App& verb, ModelOptions& options) {
       ->type_name("PATH=VALUE")
       ->allow_extra_args(false);
   verb.add_option("--write-model", options.write_model, "also write the model with these changes")->type_name("FILE");
+  add_import_options(verb, options.import);
   verb.add_flag("--json", options.json, "print one JSON object instead of text");
 }
 
@@ -115,11 +161,14 @@ LoadedModel load_model(const ModelOptions& options) {
   ReadModelOptions read;
   read.parameter_texts = options.parameters;
   read.edits = options.edits;
-  ModelReadResult result = read_model_file(options.file, read);
+  ModelFile file = read_any_model_file(options.file, read, options.import);
   LoadedModel loaded;
-  loaded.diagnostics = std::move(result.diagnostics);
-  loaded.source = std::move(result.source);
-  if (result.model) loaded.model = std::make_shared<const Model>(std::move(*result.model));
+  loaded.diagnostics = std::move(file.read.diagnostics);
+  loaded.source = std::move(file.read.source);
+  loaded.format = file.format;
+  loaded.renamed = std::move(file.renamed);
+  if (file.read.model) loaded.model = std::make_shared<const Model>(std::move(*file.read.model));
+  tell_renamed(loaded);
   print_diagnostics(loaded.diagnostics, loaded.source);
   return loaded;
 }
@@ -148,7 +197,8 @@ ModelSpec edited_spec(const ModelOptions& options, const LoadedModel& loaded) {
 }
 
 std::string model_text(const ModelOptions& options, const LoadedModel& loaded) {
-  return options.changed() ? write_model(edited_spec(options, loaded)) : loaded.source;
+  const bool as_read = loaded.format == ModelFormat::kNative && !options.changed();
+  return as_read ? loaded.source : write_model(edited_spec(options, loaded));
 }
 
 std::string write_model_if_asked(const ModelOptions& options, const LoadedModel& loaded) {

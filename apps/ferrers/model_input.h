@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "ferrers/io/model_reader.h"
+#include "ferrers/formats/formats.h"
 #include "ferrers/kinematics/assembly.h"
 #include "ferrers/redundancy/contradiction.h"
 
@@ -17,18 +17,24 @@ struct ModelOptions {
   std::vector<std::string> parameters;  ///< name=value
   std::vector<std::string> edits;       ///< path=value
   std::string write_model;              ///< Empty: not asked for.
+  ferrers::ImportOptions import;        ///< For files of other programs.
   bool json = false;
 
   bool changed() const { return !parameters.empty() || !edits.empty(); }
 };
 
-/// MODEL, -p, --set, --write-model, --json.
+/// MODEL, -p, --set, --write-model, --base, --ignore, --closures, --json.
 void add_model_options(CLI::App& verb, ModelOptions& options);
+
+/// --base, --ignore, --closures.
+void add_import_options(CLI::App& verb, ferrers::ImportOptions& options);
 
 struct LoadedModel {
   std::shared_ptr<const ferrers::Model> model;  ///< Null: the model has errors, which were printed.
   ferrers::Diagnostics diagnostics;
   std::string source;
+  ferrers::ModelFormat format = ferrers::ModelFormat::kNative;
+  std::vector<ferrers::RenamedThing> renamed;  ///< Names of a foreign file that had to change.
 };
 
 /// Reads the model and prints its diagnostics to stderr.
@@ -44,7 +50,7 @@ void report(LoadedModel& loaded, std::string_view code, ferrers::SourceRange at,
 /// The model's specification with the parameters that the command line sets.
 ferrers::ModelSpec edited_spec(const ModelOptions& options, const LoadedModel& loaded);
 
-/// The text of the model as it was read, changes included.
+/// The text of the model as it was read, changes included, in the native format.
 std::string model_text(const ModelOptions& options, const LoadedModel& loaded);
 
 /// Does `--write-model`. Returns what went wrong, or an empty text.

@@ -16,5 +16,6 @@ void add_equilibrium(CLI::App& command, Job& job);
 void add_linearize(CLI::App& command, Job& job);
 void add_equations(CLI::App& command, Job& job);
 void add_schema(CLI::App& command, Job& job);
+void add_convert(CLI::App& command, Job& job);
 void add_new(CLI::App& command, Job& job);
 void add_doctor(CLI::App& command, Job& job);

@@ -49,6 +49,12 @@ inline FieldInfo required(FieldInfo made) {
   return made;
 }
 
+/// A field that another one may stand for.
+inline FieldInfo unless(std::string_view other, FieldInfo made) {
+  made.unless = other;
+  return made;
+}
+
 inline FieldInfo object_field(std::string_view key, ValueKind kind, Family family, std::string doc,
                               std::string_view default_text = {}) {
   FieldInfo made = field(key, kind, {}, std::move(doc), default_text);

@@ -77,6 +77,7 @@ enum class Family {
   kJoint,
   kJointStiffness,
   kMisalignment,
+  kJointFrames,
   kFriction,
   kCoupling,
   kConstraint,
@@ -96,6 +97,7 @@ struct FieldInfo {
   std::string_view key;
   ValueKind kind = ValueKind::kNumber;
   bool required = false;
+  std::string_view unless;  ///< The field that stands for this one; they exclude each other.
   Quantity quantity;
   std::string_view default_text;  ///< What its absence means; empty: nothing to say.
   std::string doc;

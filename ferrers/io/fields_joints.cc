@@ -50,6 +50,15 @@ std::vector<FieldInfo> placement_fields(PlacementRule rule) {
   return {at};
 }
 
+/// The keys of `placement_fields` in words.
+std::string placement_words(PlacementRule rule) {
+  std::string words;
+  for (const FieldInfo& one : placement_fields(rule)) {
+    words += (words.empty() ? "`" : ", `") + std::string(one.key) + "`";
+  }
+  return words;
+}
+
 /// What a reader of the results must know of a type beyond its counts.
 std::string joint_remark(JointType type) {
   if (type != JointType::kGearMesh) return {};
@@ -70,7 +79,15 @@ ObjectType joint_type(const JointTypeInfo& info) {
   const bool vowel = std::string_view("aeiou").find(info.name.front()) != std::string_view::npos;
   ObjectType type{info.name, (vowel ? "an " : "a ") + std::string(info.name) + " joint", joint_doc(info), {}};
   type.fields.push_back(required(field("bodies", K::kNamePair, {}, "First and second body")));
-  for (FieldInfo& placement : placement_fields(info.placement)) type.fields.push_back(std::move(placement));
+  const bool by_frames = info.placement != PlacementRule::kTwoPoints && info.placement != PlacementRule::kMesh;
+  for (FieldInfo& placement : placement_fields(info.placement)) {
+    type.fields.push_back(by_frames ? unless("frames", std::move(placement)) : std::move(placement));
+  }
+  if (by_frames) {
+    type.fields.push_back(object_field("frames", K::kObject, Family::kJointFrames,
+                                       "The joint's frame on each body, instead of " + placement_words(info.placement),
+                                       "none"));
+  }
   if (info.type == JointType::kScrew) {
     type.fields.push_back(
         required(field("lead", K::kNumber, kOfLength, "Advance of the second body per turn, right-handed")));
@@ -78,9 +95,10 @@ ObjectType joint_type(const JointTypeInfo& info) {
   const bool x_is_open = info.placement == PlacementRule::kPointAxis || info.placement == PlacementRule::kPointNormal ||
                          info.placement == PlacementRule::kTwoPoints;
   if (x_is_open) {
-    type.fields.push_back(field("x", K::kDirection, kOfPureNumber,
-                                "Direction of the x axis of the joint's frame, made perpendicular to z",
-                                "the world axis least aligned with z"));
+    FieldInfo x = field("x", K::kDirection, kOfPureNumber,
+                        "Direction of the x axis of the joint's frame, made perpendicular to z",
+                        "the world axis least aligned with z");
+    type.fields.push_back(by_frames ? unless("frames", std::move(x)) : std::move(x));
   }
   type.fields.push_back(object_field("stiffness", K::kObject, Family::kJointStiffness,
                                      "Stiffness by which reactions that statics leaves open are divided", "rigid"));
@@ -229,6 +247,13 @@ std::vector<ObjectFamily> make_joint_families() {
              "Displacement of the second body's seat from its drawn place, in the joint's frame.",
              {field("translation", K::kVector3, kOfLength, "Along x, y, z", "[0, 0, 0]"),
               field("rotation", K::kVector3, kOfAngle, "About x, y, z (a small rotation vector)", "[0, 0, 0]")}),
+      single(Family::kJointFrames, "joint_frames", "a joint's frames",
+             "Where the joint sits on its two bodies, each in that body's own frame (its `pose`; of ground and of a body "
+             "without a pose: the world). z is the axis or normal; the first axis of a universal joint is z of the first "
+             "frame, its second axis x of the second. Coordinates are zero where the two frames coincide. A loop of "
+             "such joints need not close as drawn: it is assembled.",
+             {required(object_field("first", K::kObject, Family::kPose, "On the first body")),
+              required(object_field("second", K::kObject, Family::kPose, "On the second body"))}),
       single(
           Family::kFriction, "friction", "a joint's friction",
           "Friction along the joint's freedoms. `coulomb` is for revolute, prismatic, cylindrical, planar, spherical, "

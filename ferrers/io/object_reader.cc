@@ -137,7 +137,12 @@ void ObjectReader::check_keys() {
     if (entry.key != family_.choice_key && type_->find(entry.key) == nullptr) report_unknown_key(entry);
   }
   for (const FieldInfo& field : type_->fields) {
-    if (!field.required || node_.find(field.key) != nullptr) continue;
+    const DocumentNode* other = field.unless.empty() ? nullptr : node_.find(field.unless);
+    if (other != nullptr && node_.find(field.key) != nullptr) {
+      values_.error("F211", other->at, fmt::format("{} has both '{}' and '{}'", who(), field.key, field.unless),
+                    "leave one of them out");
+    }
+    if (!field.required || other != nullptr || node_.find(field.key) != nullptr) continue;
     values_.error("F202", name_.at.known() ? name_.at : node_.at, fmt::format("{} needs '{}'", who(), field.key),
                   fmt::format("{}: {}", field.key, field.doc));
   }

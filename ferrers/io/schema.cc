@@ -145,6 +145,8 @@ std::string description(const FieldInfo& field) {
 Json type_schema(const ObjectFamily& family, const ObjectType& type) {
   Json properties = Json::object();
   Json required = Json::array();
+  Json alternatives = Json::array();  // required, unless another field stands for them
+  std::string_view other;
   if (!family.choice_key.empty() && !type.tag.empty()) {
     properties[std::string(family.choice_key)] = {{"const", type.tag}};
     required.push_back(family.choice_key);
@@ -153,12 +155,22 @@ Json type_schema(const ObjectFamily& family, const ObjectType& type) {
     Json value = value_schema(field);
     value["description"] = description(field);
     properties[std::string(field.key)] = std::move(value);
-    if (field.required) required.push_back(field.key);
+    if (!field.unless.empty()) other = field.unless;
+    if (field.required) (field.unless.empty() ? required : alternatives).push_back(field.key);
   }
   Json schema = {{"title", type.title}, {"type", "object"}};
   if (!type.doc.empty()) schema["description"] = type.doc;
   schema["properties"] = std::move(properties);
   if (!required.empty()) schema["required"] = std::move(required);
+  if (!other.empty()) {
+    Json own = Json::array();  // neither needed nor allowed beside the other
+    for (const FieldInfo& field : type.fields) {
+      if (!field.unless.empty()) own.push_back({{"required", {field.key}}});
+    }
+    Json without_other = {{"not", {{"required", {other}}}}};
+    if (!alternatives.empty()) without_other["required"] = std::move(alternatives);
+    schema["oneOf"] = {std::move(without_other), {{"required", {other}}, {"not", {{"anyOf", std::move(own)}}}}};
+  }
   schema["additionalProperties"] = false;
   return schema;
 }

@@ -46,6 +46,7 @@ class SpecReader {
   void read_body(const DocumentNode& node, const NameRef& name);
   InertiaSpec read_inertia(const DocumentNode& node);
   PoseSpec read_pose(const DocumentNode& node);
+  std::optional<std::array<PoseSpec, 2>> read_frames(const DocumentNode& node);
   std::optional<RotationSpec> read_rotation(const DocumentNode& node);
 
   // spec_reader_joints.cc

@@ -59,6 +59,9 @@ void SpecReader::read_joint_without_type(const DocumentNode& node, JointSpec& jo
 
 void SpecReader::read_placement(ObjectReader& object, JointSpec& joint) {
   const PlacementRule rule = joint_type_info(joint.type).placement;
+  if (object.type().find("frames") != nullptr) {
+    if (const DocumentNode* frames = object.object("frames")) joint.frames = read_frames(*frames);
+  }
   if (rule == PlacementRule::kTwoPoints) {
     joint.points = object.points("points", joint.bodies, joint.points_on_bodies);
     joint.length = object.number("length");
@@ -79,6 +82,15 @@ void SpecReader::read_placement(ObjectReader& object, JointSpec& joint) {
   }
   if (object.type().find("x") != nullptr) joint.x = object.direction("x");
   if (object.type().find("lead") != nullptr) joint.lead = object.number("lead").value_or(Number());
+}
+
+std::optional<std::array<PoseSpec, 2>> SpecReader::read_frames(const DocumentNode& node) {
+  ObjectReader object(values_, node, Family::kJointFrames, {"frames", node.at});
+  if (!object.usable()) return std::nullopt;
+  const DocumentNode* first = object.object("first");
+  const DocumentNode* second = object.object("second");
+  if (first == nullptr || second == nullptr) return std::nullopt;
+  return std::array{read_pose(*first), read_pose(*second)};
 }
 
 void SpecReader::read_joint_extras(ObjectReader& object, JointSpec& joint) {

@@ -4,12 +4,9 @@ namespace ferrers {
 
 State make_drawn_state(const System& system) {
   State state;
-  state.q = VectorXd::Zero(system.nq);
+  state.q = system.drawn_q;
   state.v = VectorXd::Zero(system.nv);
   state.winding = system.drawn_winding;
-  for (const Node& node : system.nodes) {
-    if (node.type && node.type->quaternion_at >= 0) state.q[node.q + node.type->quaternion_at] = 1;
-  }
   return state;
 }
 

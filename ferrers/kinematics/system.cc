@@ -1,6 +1,7 @@
 #include "ferrers/kinematics/system.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "ferrers/core/checks.h"
 #include "ferrers/kinematics/constraints.h"
@@ -9,6 +10,8 @@
 
 namespace ferrers {
 namespace {
+
+constexpr double kRoundedToZero = 1e-13;  // rad or m
 
 // Where a floating body is held: its mass centre, else the first place a joint sits on it.
 Pose floating_frame(const Model& model, BodyId id) {
@@ -92,18 +95,53 @@ void add_cuts(System& system) {
   }
 }
 
+RelativeMotion drawn_motion(const Model& model, const Joint& joint) {
+  const Pose X_WF = model.body(joint.first).X_WB * joint.X_1F;
+  const Pose X_WM = model.body(joint.second).X_WB * joint.X_2M;
+  RelativeMotion drawn;
+  drawn.R_F = X_WF.R;
+  drawn.R_M = X_WM.R;
+  drawn.d = X_WM.p - X_WF.p;
+  return drawn;
+}
+
+// Of a joint given by frames, in `q`. What rounding leaves of a zero is zero.
+void set_drawn_coordinates(const Model& model, const Joint& joint, const Node& node, double* q) {
+  const RelativeMotion drawn = drawn_motion(model, joint);
+  if (node.type->quaternion_at >= 0) {
+    const Eigen::Quaterniond turn(Matrix3d(drawn.R_F.transpose() * drawn.R_M));
+    const double numbers[] = {turn.w(), turn.x(), turn.y(), turn.z()};
+    std::copy(numbers, numbers + 4, q + node.type->quaternion_at);
+    const Vector3d place = drawn.R_F.transpose() * drawn.d;
+    for (int i = 0; i < node.type->quaternion_at; ++i) q[i] = place[i];
+  } else if (node.nq > 0) {
+    Jet coordinates[6];
+    node.type->coordinate_jets(node.constants, drawn, coordinates);
+    for (int i = 0; i < node.nq; ++i) q[i] = coordinates[i].value;
+  }
+  for (int i = 0; i < node.nq; ++i) {
+    if (std::abs(q[i]) < kRoundedToZero) q[i] = 0;
+  }
+}
+
+void set_drawn_coordinates(System& system) {
+  system.drawn_q = VectorXd::Zero(system.nq);
+  for (std::size_t i = 1; i < system.nodes.size(); ++i) {
+    const Node& node = system.nodes[i];
+    if (node.type->quaternion_at >= 0) system.drawn_q[node.q + node.type->quaternion_at] = 1;
+    const JointId id = system.topology->forest.nodes[i].joint;
+    if (!id.valid() || !system.model->joint(id).by_frames) continue;
+    set_drawn_coordinates(*system.model, system.model->joint(id), node, system.drawn_q.data() + node.q);
+  }
+}
+
 // The turns of every angle and the offsets of gear meshes are counted from the drawing.
 void set_drawn_references(System& system) {
   system.drawn_winding = VectorXd::Zero(system.winding_count);
   for (CutJoint& cut : system.cuts) {
     const Joint& joint = system.joint(cut);
     if (cut.type->winding_count == 0) continue;
-    const Pose X_WF = system.model->body(joint.first).X_WB * joint.X_1F;
-    const Pose X_WM = system.model->body(joint.second).X_WB * joint.X_2M;
-    RelativeMotion drawn;
-    drawn.R_F = X_WF.R;
-    drawn.R_M = X_WM.R;
-    drawn.d = X_WM.p - X_WF.p;
+    const RelativeMotion drawn = drawn_motion(*system.model, joint);
     Jet angles[2], rows[6];
     cut.type->angles(cut.constants, drawn, angles);
     for (int i = 0; i < cut.type->winding_count; ++i) system.drawn_winding[cut.winding + i] = angles[i].value;
@@ -205,6 +243,7 @@ std::shared_ptr<const System> make_system(std::shared_ptr<const Model> model, co
   add_formula_blocks(*system);
   name_coordinates(*system);
   name_rows(*system);
+  set_drawn_coordinates(*system);
   set_drawn_references(*system);
   system->scaling = make_scaling(*system);
   return system;

@@ -110,6 +110,7 @@ struct System {
   std::vector<int> velocity_rows;             ///< Rows that hold for velocities only: phi is 0 there whatever q is.
   std::vector<std::string> row_names;         ///< m: "joint/moment_x", or the coupling's name.
   std::vector<std::string> coordinate_names;  ///< nv: "joint" or "joint.coordinate".
+  VectorXd drawn_q;                           ///< nq: coordinates as drawn.
   VectorXd drawn_winding;                     ///< Angles of the cut joints as drawn.
   Scaling scaling;
 

@@ -103,6 +103,8 @@ class ModelAssembler {
   void build_joints();
   void build_joint(const JointSpec& spec, Joint& joint);
   void place_joint(const JointSpec& spec, const BodyPair& pair, Joint& joint);
+  void place_by_frames(const JointSpec& spec, Joint& joint);
+  void read_lead(const JointSpec& spec, Joint& joint);
   void place_at_point(const JointSpec& spec, const BodyPair& pair, Joint& joint);
   void place_on_axis(const JointSpec& spec, const BodyPair& pair, std::string_view key, Joint& joint);
   void place_on_two_axes(const JointSpec& spec, const BodyPair& pair, Joint& joint);

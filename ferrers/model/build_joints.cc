@@ -56,6 +56,7 @@ void ModelAssembler::build_joint(const JointSpec& spec, Joint& joint) {
 }
 
 void ModelAssembler::place_joint(const JointSpec& spec, const BodyPair& pair, Joint& joint) {
+  if (spec.frames) return place_by_frames(spec, joint);
   switch (joint_type_info(spec.type).placement) {
     case PlacementRule::kPoint:
       return place_at_point(spec, pair, joint);
@@ -80,6 +81,33 @@ void ModelAssembler::set_frames(Joint& joint, const Pose& X_WF, const Pose& X_WM
   joint.X_2M = body(joint.second).X_WB.inverse() * X_WM;
 }
 
+/// The frames as they are given. What lines and planes belong to is the first; a universal joint's second axis is x of
+/// the second.
+void ModelAssembler::place_by_frames(const JointSpec& spec, Joint& joint) {
+  const PlacementRule rule = joint_type_info(spec.type).placement;
+  if (spec.place.given() || spec.axis.given() || spec.axis2.given() || spec.x || rule == PlacementRule::kTwoPoints ||
+      rule == PlacementRule::kMesh) {
+    diagnostics_.error("F211", place_or((*spec.frames)[0].at, spec.name),
+                       fmt::format("'{}' has 'frames' beside what they stand for, or cannot have them", spec.name.name));
+    return;
+  }
+  if (spec.type == JointType::kScrew) read_lead(spec, joint);
+  joint.drawn = false;
+  joint.by_frames = true;
+  joint.X_1F = pose((*spec.frames)[0], spec.name);
+  joint.X_2M = pose((*spec.frames)[1], spec.name);
+  const auto is_finite = [](const Pose& X) { return X.R.allFinite() && X.p.allFinite(); };
+  joint_is_placed_[model_.joints_.size()] = is_finite(joint.X_1F) && is_finite(joint.X_2M);
+}
+
+void ModelAssembler::read_lead(const JointSpec& spec, Joint& joint) {
+  joint.constants.lead_m = number(spec.lead, kLength, {"lead", spec.name});
+  if (joint.constants.lead_m != 0) return;
+  diagnostics_.error("F322", place_of(spec.lead, {"lead", spec.name}),
+                     fmt::format("the screw '{}' needs a 'lead' that is not zero", spec.name.name),
+                     "the lead is the advance per turn; negative for a left-handed thread");
+}
+
 void ModelAssembler::place_at_point(const JointSpec& spec, const BodyPair& pair, Joint& joint) {
   const std::optional<OnBoth> points = points_on_both(spec.place, {"at", spec.name}, pair);
   if (!points) return;
@@ -98,14 +126,7 @@ void ModelAssembler::place_on_axis(const JointSpec& spec, const BodyPair& pair, 
   } else {
     axes = directions_on_both(spec.axis, {key, spec.name}, pair);
   }
-  if (spec.type == JointType::kScrew) {
-    joint.constants.lead_m = number(spec.lead, kLength, {"lead", spec.name});
-    if (joint.constants.lead_m == 0) {
-      diagnostics_.error("F322", place_of(spec.lead, {"lead", spec.name}),
-                         fmt::format("the screw '{}' needs a 'lead' that is not zero", spec.name.name),
-                         "the lead is the advance per turn; negative for a left-handed thread");
-    }
-  }
+  if (spec.type == JointType::kScrew) read_lead(spec, joint);
   if (!points || !axes) return;
   const std::optional<Matrix3d> R_WF = frame_on_first((*axes)[0], spec.x, spec.name);
   if (!R_WF) return;

@@ -7,6 +7,7 @@
 
 #include "ferrers/core/checks.h"
 #include "ferrers/model/joints/joint_type.h"
+#include "ferrers/model/pose_spec.h"
 
 namespace ferrers {
 namespace {
@@ -63,6 +64,8 @@ bool turns_with_parameters(const std::optional<PoseSpec>& pose) {
   const auto formula = [](const Number& n) { return n.expression.has_value(); };
   return r.quaternion && std::any_of(r.quaternion->begin(), r.quaternion->end(), formula);
 }
+
+bool is_by_formula(const PoseSpec& pose) { return !is_literal(pose.position) || turns_with_parameters(pose); }
 
 Number3 rounded(const Vector3d& v) {
   Number3 out;
@@ -130,6 +133,19 @@ class Renamer {
   std::unordered_map<std::string, std::pair<JointType, JointType>> types_;
 };
 
+// The frames of a joint given by them, with the new direction; the zero of an angle that is kept stays where it was.
+void turn_frames(const JointChange& change, const Joint& before, const Model& model, JointSpec& spec) {
+  const Pose &F = before.X_1F, &M = before.X_2M;
+  const Matrix3d second_from_first =
+      before.type == JointType::kSpherical
+          ? Matrix3d(model.body(before.second).X_WB.R.transpose() * model.body(before.first).X_WB.R)
+          : Matrix3d(M.R * F.R.transpose());
+  const Vector3d direction = F.R * change.direction;
+  const Matrix3d R =
+      change.to == JointType::kUniversal ? frame_from_zx(F.R.col(2), direction) : frame_from_z(direction);
+  spec.frames = {pose_spec({R, F.p}), pose_spec({second_from_first * R, M.p})};
+}
+
 // Gives one joint its new type and place; `before` is the joint as it was built. Returns what stands against it.
 std::string retype(const JointChange& change, const Joint& before, const Model& model, JointSpec& spec) {
   const bool other_line = change.to == JointType::kPointOnLine && change.direction.norm() > 0.5;
@@ -142,10 +158,16 @@ std::string retype(const JointChange& change, const Joint& before, const Model& 
       const bool mine = body.name.name == spec.bodies[0].name || body.name.name == spec.bodies[1].name;
       return mine && turns_with_parameters(body.pose);
     });
-    if (!is_literal(spec.axis) || (spec.x && !is_literal(*spec.x)) || turning) {
+    const bool by_formula = spec.frames && (is_by_formula((*spec.frames)[0]) || is_by_formula((*spec.frames)[1]));
+    if (!is_literal(spec.axis) || (spec.x && !is_literal(*spec.x)) || turning || by_formula) {
       return fmt::format(
           "the axis of '{}' depends on parameters, so that a second direction cannot be given in numbers",
           spec.name.name);
+    }
+    if (spec.frames) {
+      turn_frames(change, before, model, spec);
+      spec.type = change.to;
+      return "";
     }
     PlaceSpec place;
     const bool on_second = change.to == JointType::kUniversal;

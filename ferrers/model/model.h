@@ -66,6 +66,8 @@ struct Joint {
   std::optional<std::array<double, 2>> limits;
   std::optional<Friction> friction;
   bool drawn = true;    ///< False: given on each body by itself, so a loop need not close as drawn.
+  /// Given by frames: as drawn its coordinates are what the bodies' poses make of them, else they are zero.
+  bool by_frames = false;
   Dimension dimension;  ///< Of a generalized coordinate.
 };
 

@@ -165,6 +165,7 @@ State ClusterSystem::restrict(const State& whole) const {
 ClusterSystem make_cluster_system(const System& whole, const Scaling& scaling, const Cluster& cluster) {
   ClusterSystem out;
   Extractor(whole, out).run(cluster);
+  out.system.drawn_q = whole.drawn_q(out.q);
   out.system.drawn_winding = whole.drawn_winding(out.winding);
   out.system.scaling.length_m = scaling.length_m;
   out.system.scaling.rows = scaling.rows(out.rows);

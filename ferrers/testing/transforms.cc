@@ -107,6 +107,9 @@ class Mover {
     if (joint.centers) {
       for (Number3& centre : *joint.centers) map(centre, point_);
     }
+    for (std::size_t i = 0; joint.frames && i < 2; ++i) {
+      if (in_world(joint.bodies[i])) map((*joint.frames)[i].position, point_);
+    }
     if (joint.points && (local_too_ || !joint.points_on_bodies)) pair(joint.bodies, *joint.points);
   }
 
@@ -254,6 +257,13 @@ ModelSpec rotated(const ModelSpec& spec, const Eigen::Matrix3d& R) {
     const bool turns =
         body.pose || body.inertia.kind == InertiaSpec::Kind::kBox || body.inertia.kind == InertiaSpec::Kind::kTensor;
     if (!turns) rotation.reset();
+  }
+  for (JointSpec& joint : out.joints) {
+    for (std::size_t i = 0; joint.frames && i < 2; ++i) {
+      if (mover.posed(joint.bodies[i])) continue;
+      std::optional<RotationSpec>& rotation = (*joint.frames)[i].rotation;
+      rotation = rotation_spec(R * matrix_of(rotation));
+    }
   }
   rotate_loads(out, R, mover);
   return out;

@@ -1,0 +1,112 @@
+#include <fmt/format.h>
+
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include "exit_code.h"
+#include "ferrers/formats/writers.h"
+#include "ferrers/io/run_folder.h"
+#include "model_input.h"
+#include "terminal.h"
+#include "verbs.h"
+
+using namespace ferrers;  // NOLINT(google-build-using-namespace)
+
+namespace {
+
+struct ConvertOptions : ModelOptions {
+  std::string output, to;
+  bool force = false;
+};
+
+ModelFormat target(const ConvertOptions& options) {
+  for (const ModelFormat format : written_formats()) {
+    if (options.to == format_word(format)) return format;
+  }
+  return options.output.empty() ? ModelFormat::kNative : format_of(options.output, "");
+}
+
+void print_json(const ConvertOptions& options, const LoadedModel& loaded, ModelFormat format,
+                const std::vector<std::string>& files) {
+  nlohmann::ordered_json renamed = nlohmann::ordered_json::array();
+  for (const RenamedThing& one : loaded.renamed) {
+    renamed.push_back({{"kind", one.kind}, {"original", one.original}, {"name", one.name}});
+  }
+  nlohmann::ordered_json told = nlohmann::ordered_json::array();
+  for (const Diagnostic& one : loaded.diagnostics.items()) {
+    told.push_back({{"code", one.code}, {"line", one.at.line}, {"column", one.at.column}, {"message", one.message}});
+  }
+  const nlohmann::ordered_json object = {{"schema", "ferrers.convert/1"}, {"ok", loaded.model != nullptr},
+                                         {"file", options.file},          {"from", format_name(loaded.format)},
+                                         {"to", format_name(format)},     {"written", files},
+                                         {"renamed", renamed},            {"diagnostics", told}};
+  print(stdout, object.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+}
+
+int convert(const ConvertOptions& options) {
+  const ModelFormat format = target(options);
+  if (options.json && options.output.empty()) return command_line_error("'--json' needs '-o FILE' to write the model to");
+  LoadedModel loaded = load_model(options);
+  if (!loaded.model) {
+    if (options.json) print_json(options, loaded, format, {});
+    return kExitModel;
+  }
+  if (const std::string error = write_model_if_asked(options, loaded); !error.empty()) return command_line_error(error);
+  Diagnostics told(options.file);
+  const std::vector<WrittenFile> files = write_any_model(edited_spec(options, loaded), format, options.output, told);
+  print_diagnostics(told, loaded.source);
+  loaded.diagnostics.append(told);
+  if (told.has_errors()) return kExitModel;
+  if (options.output.empty()) {
+    for (const WrittenFile& file : files) print(stdout, file.text);
+    return kExitDone;
+  }
+  std::vector<std::string> written;
+  for (const WrittenFile& file : files) {
+    std::error_code ignored;
+    if (std::filesystem::exists(file.name, ignored) && !options.force) {
+      return command_line_error(fmt::format("'{}' exists; --force replaces it", file.name));
+    }
+  }
+  for (const WrittenFile& file : files) {
+    if (const std::string error = write_file_whole(file.name, file.text); !error.empty()) return command_line_error(error);
+    written.push_back(file.name);
+  }
+  if (options.json) {
+    print_json(options, loaded, format, written);
+    return kExitDone;
+  }
+  for (const RenamedThing& one : loaded.renamed) {
+    print(stdout, fmt::format("{} '{}' is '{}' now\n", one.kind, one.original, one.name));
+  }
+  print(stdout, fmt::format("wrote {} ({})\n", fmt::join(written, ", "), format_name(format)));
+  return kExitDone;
+}
+
+}  // namespace
+
+void add_convert(CLI::App& command, Job& job) {
+  auto options = std::make_shared<ConvertOptions>();
+  CLI::App* verb = command.add_subcommand("convert", "write a model of any format in another one");
+  add_model_options(*verb, *options);
+  verb->add_option("-o,--output", options->output, "file to write; without it the text goes to stdout")
+      ->type_name("FILE");
+  verb->add_option("--to", options->to, "format; else by the ending of FILE, else native")
+      ->check(CLI::IsMember(written_format_words()))
+      ->type_name("FORMAT");
+  verb->add_flag("--force", options->force, "replace the file when it exists");
+  verb->footer(
+      "Examples:\n"
+      "  ferrers convert robot.urdf -o robot.yaml\n"
+      "  ferrers convert press.yaml --to mjcf\n"
+      "\nWhat the written format cannot say is listed (F607). Exit codes: 0 done; 2 the file exists, or cannot be "
+      "written; 3 the\nmodel has errors.");
+  verb->callback([options, &job] { job = [options] { return convert(*options); }; });
+}

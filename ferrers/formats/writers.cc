@@ -1,0 +1,32 @@
+#include "ferrers/formats/writers.h"
+
+#include <algorithm>
+#include <cctype>
+#include <utility>
+
+#include "ferrers/io/model_writer.h"
+
+namespace ferrers {
+
+std::vector<ModelFormat> written_formats() { return {ModelFormat::kNative}; }
+
+std::string format_word(ModelFormat format) {
+  std::string word(format_name(format));
+  std::transform(word.begin(), word.end(), word.begin(), [](unsigned char c) { return std::tolower(c); });
+  return word;
+}
+
+std::vector<std::string> written_format_words() {
+  std::vector<std::string> words;
+  for (const ModelFormat format : written_formats()) words.push_back(format_word(format));
+  return words;
+}
+
+std::vector<WrittenFile> write_any_model(const ModelSpec& spec, ModelFormat format, const std::filesystem::path& path,
+                                         Diagnostics& diagnostics) {
+  if (format == ModelFormat::kNative) return {{path.string(), write_model(spec)}};
+  diagnostics.error("F607", {}, std::string(format_name(format)) + " cannot be written", "it can be read only");
+  return {};
+}
+
+}  // namespace ferrers
