@@ -117,6 +117,16 @@ Pose frame_of(const TreeJoint& joint) {
   return {joint.scalar() ? frame_from_z(joint.axis) : Matrix3d(Matrix3d::Identity()), joint.pos};
 }
 
+/// The same on the body before it, whose frame sees the moved body at `X` as drawn, where the coordinate is `ref`: so
+/// that coordinates are MuJoCo's. A free joint has those of the world.
+Pose frame_before(const TreeJoint& joint, const Pose& X) {
+  if (joint.kind == JointKind::kFree && !joint.replaced) return Pose();
+  Pose back;
+  if (joint.kind == JointKind::kSlide) back.p = {0, 0, -joint.ref};
+  if (joint.kind == JointKind::kHinge) back.R = Eigen::AngleAxisd(-joint.ref, Vector3d::UnitZ()).toRotationMatrix();
+  return X * frame_of(joint) * back;
+}
+
 /// The joints of a body one after the other; `before` is the body's frame in its parent, then in the massless bodies.
 void add_chain(Import& import, const TreeBody& body) {
   std::string before = import.body(body.parent).name;
@@ -136,9 +146,9 @@ void add_chain(Import& import, const TreeBody& body) {
     spec.name = {joint.name, joint.element.main_at()};
     spec.type = type_of(joint);
     spec.bodies = {NameRef(before, joint.element.main_at()), NameRef(after, joint.element.main_at())};
-    const Pose frame = frame_of(joint);
-    spec.frames = {pose_spec(X * frame, joint.element.main_at()), pose_spec(frame, joint.element.main_at())};
-    if (joint.range) spec.limits = {Number((*joint.range)[0] - joint.ref), Number((*joint.range)[1] - joint.ref)};
+    const SourceRange at = joint.element.main_at();
+    spec.frames = {pose_spec(frame_before(joint, X), at), pose_spec(frame_of(joint), at)};
+    if (joint.range) spec.limits = {Number((*joint.range)[0]), Number((*joint.range)[1])};
     import.spec().joints.push_back(std::move(spec));
     before = after;
     X = Pose();
@@ -155,36 +165,7 @@ void add_weld(Import& import, const TreeBody& body) {
   import.spec().joints.push_back(std::move(spec));
 }
 
-void tell_of_references(const Import& import) {
-  int count = 0;
-  const TreeJoint* first = nullptr;
-  for (const TreeBody& body : import.tree.bodies) {
-    for (const TreeJoint& joint : body.joints) {
-      if (joint.ref == 0) continue;
-      if (first == nullptr) first = &joint;
-      ++count;
-    }
-  }
-  if (first == nullptr) return;
-  first->element.diagnostics().notice(
-      "F603", first->element.at(),
-      fmt::format("coordinates are zero as drawn: that of '{}' is MuJoCo's less its 'ref' of {:.9g}{}", first->name,
-                  first->ref, count > 1 ? fmt::format(", and so for {} more joints", count - 1) : ""));
-}
-
 }  // namespace
-
-PoseSpec pose_spec(const Pose& X, SourceRange at) {
-  PoseSpec spec;
-  spec.at = at;
-  spec.position = vector_spec(X.p);
-  if (X.R.isIdentity(0)) return spec;
-  const Eigen::Quaterniond q = Eigen::Quaterniond(X.R).normalized();
-  spec.rotation.emplace();
-  spec.rotation->at = at;
-  spec.rotation->quaternion = {Number(q.w()), Number(q.x()), Number(q.y()), Number(q.z())};
-  return spec;
-}
 
 Number3 vector_spec(const Vector3d& v) { return number3(v.x(), v.y(), v.z()); }
 
@@ -248,7 +229,6 @@ void add_joints(Import& import) {
       add_chain(import, body);
     }
   }
-  tell_of_references(import);
 }
 
 }  // namespace ferrers::mjcf

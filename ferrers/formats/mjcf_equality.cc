@@ -18,6 +18,13 @@ Expression sum_over(const Terms& terms) {
   return sum_of(parts);
 }
 
+/// The same sum in the reference configuration.
+double reference_of(const Terms& terms) {
+  double sum = 0;
+  for (const auto& [joint, coefficient] : terms) sum += coefficient * joint->ref;
+  return sum;
+}
+
 class EqualityReader {
  public:
   EqualityReader(Import& import, const FixedTendons& tendons) : import_(import), tendons_(tendons) {}
@@ -152,7 +159,7 @@ class EqualityReader {
                  *second);
   }
 
-  /// first = a0 + a1 second + ... + a4 second⁴, all from the reference configuration, where coordinates are zero.
+  /// first = a0 + a1 second + ... + a4 second⁴, both counted from the reference configuration.
   void add_relation(const Element& element, const std::string& name, const Terms& first, const Terms& second) {
     std::array<double, 5> a = {0, 1, 0, 0, 0};
     if (const auto given = Attributes(element).numbers("polycoef", 1, 5)) {
@@ -160,26 +167,27 @@ class EqualityReader {
     }
     if (second.empty()) a[1] = a[2] = a[3] = a[4] = 0;
     const SourceRange at = element.main_at();
-    if (a[0] == 0 && a[2] == 0 && a[3] == 0 && a[4] == 0)
+    const double offset = reference_of(first) - a[1] * reference_of(second) + a[0];
+    if (offset == 0 && a[2] == 0 && a[3] == 0 && a[4] == 0) {
       return add_coupling(add_name(element, name), at, first, second, a[1]);
-    const Expression x = sum_over(second);
+    }
+    const Expression x = sum_over(second) - Expression::constant(reference_of(second));
     Expression polynomial = Expression::constant(a[4]);
     for (const int power : {3, 2, 1, 0}) {
       polynomial = polynomial * x + Expression::constant(a[static_cast<std::size_t>(power)]);
     }
     ConstraintSpec spec;
     spec.name = {add_name(element, name), at};
-    spec.formula = sum_over(first) - polynomial;
+    spec.formula = sum_over(first) - Expression::constant(reference_of(first)) - polynomial;
     spec.at = at;
     import_.spec().constraints.push_back(std::move(spec));
   }
 
   void add_coupling(const std::string& name, SourceRange at, Terms terms, const Terms& second, double slope) {
-    for (const auto& [joint, coefficient] : second) {
-      const TreeJoint* wanted = joint;
-      const auto same = std::find_if(terms.begin(), terms.end(), [&](const auto& t) { return t.first == wanted; });
-      if (same != terms.end()) same->second -= slope * coefficient;
-      if (same == terms.end()) terms.emplace_back(joint, -slope * coefficient);
+    for (const auto& term : second) {
+      const auto same = std::find_if(terms.begin(), terms.end(), [&](const auto& t) { return t.first == term.first; });
+      if (same != terms.end()) same->second -= slope * term.second;
+      if (same == terms.end()) terms.emplace_back(term.first, -slope * term.second);
     }
     CouplingSpec spec;
     spec.name = {name, at};

@@ -74,7 +74,7 @@ class ForceWriter {
   void add_spring(const TreeBody& body, const TreeJoint& joint) {
     const Polynomial& k = joint.stiffness;
     if (has_curve(joint, k, "stiffness")) {
-      const Expression x = position_of(joint) - Expression::constant(joint.springref - joint.ref);
+      const Expression x = position_of(joint) - Expression::constant(joint.springref);
       add_generalized_force(joint, -(Expression::constant(k[1]) * x * x + Expression::constant(k[2]) * x * x * x));
     }
     if (k[0] == 0) return;
@@ -83,7 +83,7 @@ class ForceWriter {
       TorsionSpringSpec spring;
       spring.coordinate = coordinate(joint);
       spring.stiffness = Number(k[0]);
-      spring.free_angle = Number(joint.springref - joint.ref);
+      spring.free_angle = Number(joint.springref);
       return add_force(name, joint.element, spring);
     }
     if (body.joints.size() > 1) {

@@ -7,6 +7,7 @@
 
 #include "ferrers/formats/mjcf_tree.h"
 #include "ferrers/formats/name_map.h"
+#include "ferrers/model/pose_spec.h"
 
 /// How the parts of an MJCF file become parts of a specification.
 namespace ferrers::mjcf {
@@ -32,7 +33,6 @@ struct FixedTendon {
 };
 using FixedTendons = std::map<std::string, FixedTendon, std::less<>>;
 
-PoseSpec pose_spec(const Pose& X, SourceRange at = {});
 Number3 vector_spec(const Vector3d& v);
 Expression position_of(const TreeJoint& joint);  ///< As formulas read it.
 

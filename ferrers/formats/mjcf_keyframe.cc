@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "ferrers/formats/mjcf_import.h"
 
 namespace ferrers::mjcf {
@@ -27,15 +29,14 @@ Eigen::Quaterniond quaternion_at(const double* wxyz) {
   return q.normalized();
 }
 
-/// Position and velocity of one joint, from MuJoCo's coordinates to ours: a hinge counts from its `ref`; angular
-/// velocities of MuJoCo are in the moving body's axes, ours in the first body's; a free joint counts from where it is
-/// drawn.
-InitialSpec state_of(const TreeBody& body, const TreeJoint& joint, const double* q, const double* v) {
+/// Position and velocity of one joint. Angular velocities of MuJoCo are in the moving body's axes, ours in the first
+/// body's.
+InitialSpec state_of(const TreeJoint& joint, const double* q, const double* v) {
   InitialSpec initial;
   initial.joint = {joint.name, joint.element.main_at()};
   initial.at = joint.element.main_at();
   if (joint.scalar()) {
-    initial.position = {Number(*q - joint.ref)};
+    initial.position = {Number(*q)};
     if (v != nullptr) initial.velocity = {Number(*v)};
     return initial;
   }
@@ -46,12 +47,9 @@ InitialSpec state_of(const TreeBody& body, const TreeJoint& joint, const double*
     return initial;
   }
   const Eigen::Quaterniond turn = quaternion_at(q + 3);
-  const Eigen::Quaterniond drawn = Eigen::Quaterniond(body.X_WB.R).normalized();
-  initial.position = numbers_of({drawn.inverse() * (Vector3d(q) - body.X_WB.p)});
-  add_quaternion((drawn.inverse() * turn).normalized(), initial.position);
-  if (v != nullptr) {
-    initial.velocity = numbers_of({drawn.inverse() * (turn * Vector3d(v + 3)), drawn.inverse() * Vector3d(v)});
-  }
+  initial.position = numbers_of({Vector3d(q)});
+  add_quaternion(turn, initial.position);
+  if (v != nullptr) initial.velocity = numbers_of({turn * Vector3d(v + 3), Vector3d(v)});
   return initial;
 }
 
@@ -84,11 +82,23 @@ void add_state(Import& import, const std::vector<double>* q, const std::vector<d
   for (const TreeBody& body : import.tree.bodies) {
     for (const TreeJoint& joint : body.joints) {
       if (joint.added) continue;
-      InitialSpec initial = state_of(body, joint, q->data() + at_q, v != nullptr ? v->data() + at_v : nullptr);
+      InitialSpec initial = state_of(joint, q->data() + at_q, v != nullptr ? v->data() + at_v : nullptr);
       at_q += positions_of(joint);
       at_v += velocities_of(joint);
       initial.guess = guess;
       if (!joint.replaced) import.spec().initial.push_back(std::move(initial));
+    }
+  }
+}
+
+/// A joint that is drawn more than half a turn from zero: the drawing alone does not tell how many turns.
+void add_far_references(Import& import) {
+  for (const TreeBody& body : import.tree.bodies) {
+    for (const TreeJoint& joint : body.joints) {
+      if (joint.kind != JointKind::kHinge || std::abs(joint.ref) < 3.14159) continue;
+      InitialSpec initial = state_of(joint, &joint.ref, nullptr);
+      initial.guess = true;
+      import.spec().initial.push_back(std::move(initial));
     }
   }
 }
@@ -100,7 +110,7 @@ void add_initial_state(Import& import) {
   for (const Element& section : import.root.children("keyframe")) {
     for (const Element& key : section.children("key")) keys.push_back(key);
   }
-  if (keys.empty()) return;
+  if (keys.empty()) return add_far_references(import);
   for (const Element& key : keys) key.mark_read_with_all();
   const Element& key = keys.front();
   const Counts counts = count_coordinates(import.tree);
