@@ -4,11 +4,12 @@
 #include <cctype>
 #include <utility>
 
+#include "ferrers/formats/mjcf_writer.h"
 #include "ferrers/io/model_writer.h"
 
 namespace ferrers {
 
-std::vector<ModelFormat> written_formats() { return {ModelFormat::kNative}; }
+std::vector<ModelFormat> written_formats() { return {ModelFormat::kNative, ModelFormat::kMjcf}; }
 
 std::string format_word(ModelFormat format) {
   std::string word(format_name(format));
@@ -25,6 +26,7 @@ std::vector<std::string> written_format_words() {
 std::vector<WrittenFile> write_any_model(const ModelSpec& spec, ModelFormat format, const std::filesystem::path& path,
                                          Diagnostics& diagnostics) {
   if (format == ModelFormat::kNative) return {{path.string(), write_model(spec)}};
+  if (format == ModelFormat::kMjcf) return {{path.string(), write_mjcf(spec, diagnostics)}};
   diagnostics.error("F607", {}, std::string(format_name(format)) + " cannot be written", "it can be read only");
   return {};
 }
