@@ -46,7 +46,7 @@ Vector3d capsule_shell_moments(double r, double length) {
 }
 
 Vector3d cylinder_shell_moments(double r, double h) {
-  const double ends = r / (r + h);  // both; the side has the rest, h is half the height
+  const double ends = r / (r + 2 * h);  // both; the side has the rest, h is half the height
   const double side = 1 - ends;
   const double across = side * (r * r / 2 + h * h / 3) + ends * (r * r / 4 + h * h);
   return {across, across, side * r * r + ends * r * r / 2};

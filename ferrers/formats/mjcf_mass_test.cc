@@ -50,6 +50,8 @@ TEST(MjcfMassTest, ShellsOfCubeSphereAndTubeHaveTheirTextbookMoments) {
   const Geom round = make_geom(Shape::kEllipsoid, {2, 2, 2}, true);
   EXPECT_NEAR(extent_of(round), 16 * kPi, 1e-12);
   EXPECT_TRUE(unit_moments(round).isApprox(8.0 / 3 * Vector3d::Ones(), 1e-14));
+  const Geom can = make_geom(Shape::kCylinder, {1, 1, 0}, true);  // a third of it are the ends
+  EXPECT_TRUE(unit_moments(can).isApprox(Vector3d(35, 35, 30) / 36, 1e-14));
   const Geom tube = make_geom(Shape::kCylinder, {1, 1e9, 0}, true);
   EXPECT_NEAR(unit_moments(tube).z(), 1, 1e-8);
   const Geom disk = make_geom(Shape::kCylinder, {1, 1e-12, 0}, true);
