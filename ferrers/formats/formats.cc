@@ -71,6 +71,11 @@ void append_sorted(Diagnostics& to, const Diagnostics& more) {
 
 std::string_view format_name(ModelFormat format) { return entry(format).name; }
 
+double usual_geometric_tolerance(ModelFormat format) {
+  if (format == ModelFormat::kNative) return 0;
+  return format == ModelFormat::kAsmt ? 1e-6 : 1e-5;
+}
+
 ModelFormat format_of(const fs::path& path, std::string_view text) {
   std::string ending = path.extension().string();
   std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });

@@ -4,6 +4,7 @@
 #include <cctype>
 #include <utility>
 
+#include "ferrers/formats/mjcf_writer.h"
 #include "ferrers/formats/urdf_writer.h"
 #include "ferrers/io/model_writer.h"
 #include "ferrers/model/model.h"
@@ -29,7 +30,7 @@ std::vector<WrittenFile> urdf_files(const ModelSpec& spec, const std::filesystem
 
 }  // namespace
 
-std::vector<ModelFormat> written_formats() { return {ModelFormat::kNative, ModelFormat::kUrdf}; }
+std::vector<ModelFormat> written_formats() { return {ModelFormat::kNative, ModelFormat::kUrdf, ModelFormat::kMjcf}; }
 
 std::string format_word(ModelFormat format) {
   std::string word(format_name(format));
@@ -47,6 +48,7 @@ std::vector<WrittenFile> write_any_model(const ModelSpec& spec, ModelFormat form
                                          Diagnostics& diagnostics) {
   if (format == ModelFormat::kNative) return {{path.string(), write_model(spec)}};
   if (format == ModelFormat::kUrdf) return urdf_files(spec, path, diagnostics);
+  if (format == ModelFormat::kMjcf) return {{path.string(), write_mjcf(spec, diagnostics)}};
   diagnostics.error("F607", {}, std::string(format_name(format)) + " cannot be written", "it can be read only");
   return {};
 }
