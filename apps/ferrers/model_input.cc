@@ -145,7 +145,8 @@ void add_import_options(CLI::App& verb, ImportOptions& options) {
       ->check(CLI::IsMember({"merge", "keep"}))
       ->type_name("merge|keep")
       ->group(group);
-  verb.add_option("--closures", options.closures, "URDF: file of closed loops; else NAME.yaml beside NAME.urdf")
+  verb.add_option("--closures", options.closures,
+                  "URDF: file of closed loops; else NAME.closures.yaml or NAME.yaml beside NAME.urdf")
       ->type_name("FILE")
       ->group(group);
 }

@@ -49,12 +49,15 @@ FileLoader loader_beside(const fs::path& model, const std::optional<fs::path>& n
   };
 }
 
-/// The file of closures of a URDF file: of the same name, else `robot.yaml` where it is no other file's.
+/// The file of closures of a URDF file: as it is written beside it, or of the same name, else `robot.yaml` where that
+/// is no other file's.
 std::optional<fs::path> closures_beside(const fs::path& model) {
   std::error_code ignored;
-  fs::path beside = model;
-  beside.replace_extension(".yaml");
-  if (fs::exists(beside, ignored)) return beside;
+  for (const char* ending : {".closures.yaml", ".yaml"}) {
+    fs::path beside = model;
+    beside.replace_extension(ending);
+    if (fs::exists(beside, ignored)) return beside;
+  }
   const fs::path folder = model.parent_path();
   if (fs::exists(folder / "robot.yaml", ignored) && !fs::exists(folder / "robot.urdf", ignored)) {
     return folder / "robot.yaml";

@@ -11,7 +11,7 @@ namespace ferrers {
 
 struct UrdfText {
   std::string urdf;
-  std::string closures;  ///< YAML, for the file of the same name beside it; empty where no loop is closed.
+  std::string closures;  ///< YAML, for the file `NAME.closures.yaml` beside `NAME.urdf`; empty where no loop is closed.
 };
 
 /// The mechanism as a URDF tree from a root link `world`, which is the ground, and a file of closures for its loops.

@@ -23,7 +23,7 @@ std::vector<WrittenFile> urdf_files(const ModelSpec& spec, const std::filesystem
   std::vector<WrittenFile> files = {{path.string(), text.urdf}};
   if (text.closures.empty()) return files;
   std::filesystem::path beside = path;
-  if (!path.empty()) beside.replace_extension(".yaml");
+  if (!path.empty()) beside.replace_extension(".closures.yaml");
   files.push_back({beside.string(), text.closures});
   return files;
 }
