@@ -12,9 +12,8 @@ constexpr std::string_view kLimited[] = {"false", "true", "auto"};
 
 Polynomial read_polynomial(const Attributes& attributes, std::string_view name) {
   Polynomial polynomial = {0, 0, 0};
-  if (const auto numbers = attributes.numbers(name, 1, 3)) {
-    std::copy(numbers->begin(), numbers->end(), polynomial.begin());
-  }
+  const std::vector<double> numbers = attributes.layered(name, polynomial.size());
+  std::copy(numbers.begin(), numbers.end(), polynomial.begin());
   return polynomial;
 }
 
