@@ -128,7 +128,7 @@ MassProperties read_inertial(const Element& element, const Settings& settings) {
                                   "'fullinertia' is in the body's axes; MuJoCo refuses this too");
     }
   } else if (!attributes.has("diaginertia") && !attributes.has("fullinertia")) {
-    element.diagnostics().error("F202", element.at(), "<inertial> has neither 'diaginertia' nor 'fullinertia'");
+    element.diagnostics().notice("F603", element.at(), "an <inertial> without moments is a point mass");
   }
   return mass;
 }

@@ -180,6 +180,10 @@ Settings read_settings(const Element& root) {
     settings.gravity = Attributes(one).vector("gravity", settings.gravity);
   }
   for (const Element& one : root.children("option")) {
+    for (const char* name : {"density", "viscosity"}) {
+      if (Attributes(one).number(name, 0) == 0) continue;
+      one.diagnostics().warning("F601", one.attribute_at(name), "forces of a fluid around the bodies are not read");
+    }
     for (const Element& flags : one.children("flag")) read_flags(Attributes(flags), settings);
   }
   return settings;
