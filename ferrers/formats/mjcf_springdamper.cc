@@ -47,6 +47,7 @@ void resolve_springdampers(Import& import) {
     return std::any_of(body.joints.begin(), body.joints.end(), [](const TreeJoint& j) { return j.springdamper; });
   };
   if (std::none_of(bodies.begin(), bodies.end(), asks)) return;
+  if (import.options.ignore_springs && import.options.ignore_damping) return;
   std::vector<MassProperties> beyond;
   std::vector<bool> known;
   for (const TreeBody& body : bodies) beyond.push_back(in_world(body)), known.push_back(body.mass.has_value());
@@ -59,7 +60,8 @@ void resolve_springdampers(Import& import) {
       if (!known[i]) {
         joint.element.diagnostics().error(
             "F602", joint.element.at(),
-            fmt::format("the 'springdamper' of '{}' depends on a mass that is not known", joint.name));
+            fmt::format("the 'springdamper' of '{}' depends on a mass that is not known", joint.name),
+            "--ignore springs,damping leaves such springs out");
         continue;
       }
       const auto [time, ratio] = *joint.springdamper;

@@ -232,7 +232,7 @@ def compare(path, probe, states, seed):
         M = mass_matrix(model, data)
         out.add("M", T.T @ np.array(ours["M"]).reshape(model.nv, model.nv) @ T, M)
         force = np.array(ours["h"]) - np.array(ours["tau"])
-        weight = 9.81 * np.max(np.abs(M), initial=0)
+        weight = max(1e-6, 9.81 * np.max(np.abs(M), initial=0))
         out.add("h - tau", T.T @ force, data.qfrc_bias - data.qfrc_passive, weight)
         J, phi = equality_rows(model, data)
         G = np.array(ours["G"]).reshape(-1, model.nv) @ T if len(ours["G"]) else np.zeros((0, model.nv))
