@@ -128,11 +128,11 @@ Pose frame_before(const TreeJoint& joint, const Pose& X) {
 }
 
 /// The joints of a body one after the other; `before` is the body's frame in its parent, then in the massless bodies.
-void add_chain(Import& import, const TreeBody& body) {
+void add_chain(Import& import, TreeBody& body) {
   std::string before = import.body(body.parent).name;
   Pose X = body.X_PB;
   for (std::size_t i = 0; i < body.joints.size(); ++i) {
-    const TreeJoint& joint = body.joints[i];
+    TreeJoint& joint = body.joints[i];
     std::string after = body.name;
     if (i + 1 < body.joints.size()) {
       after = import.names.add("bodies", "body", fmt::format("{}_after_{}", body.name, joint.name));
@@ -150,6 +150,7 @@ void add_chain(Import& import, const TreeBody& body) {
     spec.frames = {pose_spec(frame_before(joint, X), at), pose_spec(frame_of(joint), at)};
     if (joint.range) spec.limits = {Number((*joint.range)[0]), Number((*joint.range)[1])};
     import.spec().joints.push_back(std::move(spec));
+    joint.bodies = {before, after};
     before = after;
     X = Pose();
   }
@@ -218,7 +219,7 @@ void add_bodies(Import& import) {
 
 void add_joints(Import& import) {
   for (std::size_t i = 1; i < import.tree.bodies.size(); ++i) {
-    const TreeBody& body = import.tree.bodies[i];
+    TreeBody& body = import.tree.bodies[i];
     if (body.mocap) {
       body.element.diagnostics().notice("F603", body.element.at(),
                                         fmt::format("the mocap body '{}' stays where it is drawn", body.name));

@@ -86,16 +86,9 @@ class ForceWriter {
       spring.free_angle = Number(joint.springref);
       return add_force(name, joint.element, spring);
     }
-    if (body.joints.size() > 1) {
-      joint.element.diagnostics().error(
-          "F602", joint.element.at(),
-          fmt::format("the spring of the ball joint '{}' beside other joints of its body is not supported",
-                      joint.name));
-      return;
-    }
     BushingSpec bushing;  // its moment follows the rotation vector, as MuJoCo's does
     const SourceRange at = joint.element.main_at();
-    bushing.bodies = {NameRef(import_.body(body.parent).name, at), NameRef(body.name, at)};
+    bushing.bodies = {NameRef(joint.bodies[0], at), NameRef(joint.bodies[1], at)};
     bushing.place.drawn = vector_spec(body.X_WB * joint.pos);
     bushing.moment_stiffness = number3(k[0], k[0], k[0]);
     if (joint.kind == JointKind::kFree) bushing.force_stiffness = number3(k[0], k[0], k[0]);
@@ -132,6 +125,7 @@ class ForceWriter {
 }  // namespace
 
 void add_joint_forces(Import& import) {
+  resolve_springdampers(import);
   ForceWriter writer(import);
   for (const TreeBody& body : import.tree.bodies) {
     for (const TreeJoint& joint : body.joints) writer.add(body, joint);

@@ -42,26 +42,25 @@ double place_between(const std::vector<double>& points, const Attributes& attrib
 void read_size(const Attributes& attributes, std::optional<double> half_length, Geom& geom) {
   const std::size_t needed = sizes_of(geom.shape, half_length.has_value());
   if (needed == 0 || !geom.sized) return;
-  const auto size = attributes.numbers("size", 1, 3);
+  const std::vector<double> size = attributes.layered("size", 3);
   const Element from = attributes.source("size");
   if (!from) {
     geom.element.diagnostics().error(
         "F202", geom.element.at(),
         fmt::format("the {} <geom> has no 'size'", kShapes[static_cast<std::size_t>(geom.shape)]));
   }
-  if (!size) return;
-  if (size->size() < needed) {
+  if (size.empty()) return;
+  if (size.size() < needed) {
     from.diagnostics().error("F208", from.attribute_at("size"),
                              fmt::format("'size' of a {} has {} numbers, not {}",
-                                         kShapes[static_cast<std::size_t>(geom.shape)], size->size(), needed));
+                                         kShapes[static_cast<std::size_t>(geom.shape)], size.size(), needed));
     return;
   }
-  if (std::any_of(size->begin(), size->begin() + static_cast<std::ptrdiff_t>(needed),
-                  [](double s) { return s <= 0; })) {
+  if (std::any_of(size.begin(), size.begin() + static_cast<std::ptrdiff_t>(needed), [](double s) { return s <= 0; })) {
     from.diagnostics().error("F311", from.attribute_at("size"), "a size of a <geom> is not positive");
     return;
   }
-  std::copy(size->begin(), size->end(), geom.size.begin());
+  std::copy(size.begin(), size.end(), geom.size.begin());
   if (!half_length) return;
   const bool round = geom.shape == Shape::kCapsule || geom.shape == Shape::kCylinder;
   if (!round) geom.size[1] = geom.size[0];
@@ -129,7 +128,7 @@ MassProperties read_inertial(const Element& element, const Settings& settings) {
                                   "'fullinertia' is in the body's axes; MuJoCo refuses this too");
     }
   } else if (!attributes.has("diaginertia") && !attributes.has("fullinertia")) {
-    element.diagnostics().error("F202", element.at(), "<inertial> has neither 'diaginertia' nor 'fullinertia'");
+    element.diagnostics().notice("F603", element.at(), "an <inertial> without moments is a point mass");
   }
   return mass;
 }

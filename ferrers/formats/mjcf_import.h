@@ -41,12 +41,14 @@ const TreeJoint* find_joint(const Import& import, const Element& element, std::s
 /// A body by its name in the file: its index, or -1 after a message (F604).
 int find_body(const Import& import, const Element& element, std::string_view attribute);
 
-void apply_base(Import& import);            ///< `ImportOptions::base`.
-void add_bodies(Import& import);            ///< With their masses (mjcf_bodies.cc).
-void add_joints(Import& import);            ///< With massless bodies between several joints of a body.
-void add_joint_forces(Import& import);      ///< Springs, dampers, rotors, compensated weight (mjcf_forces.cc).
-void add_visuals(Import& import);           ///< What the geoms look like (mjcf_visuals.cc).
-FixedTendons read_tendons(Import& import);  ///< (mjcf_tendons.cc)
+void apply_base(Import& import);        ///< `ImportOptions::base`.
+void add_bodies(Import& import);        ///< With their masses (mjcf_bodies.cc).
+void add_joints(Import& import);        ///< With massless bodies between several joints of a body.
+void add_joint_forces(Import& import);  ///< Springs, dampers, rotors, compensated weight (mjcf_forces.cc).
+/// Stiffness and damping of joints that have a time constant and a damping ratio (mjcf_springdamper.cc).
+void resolve_springdampers(Import& import);
+void add_visuals(Import& import);                                  ///< What the geoms look like (mjcf_visuals.cc).
+FixedTendons read_tendons(Import& import);                         ///< (mjcf_tendons.cc)
 void add_equalities(Import& import, const FixedTendons& tendons);  ///< (mjcf_equality.cc)
 void add_drives(Import& import, const FixedTendons& tendons);      ///< (mjcf_actuators.cc)
 void add_initial_state(Import& import);                            ///< The first key (mjcf_keyframe.cc).

@@ -12,9 +12,8 @@ constexpr std::string_view kLimited[] = {"false", "true", "auto"};
 
 Polynomial read_polynomial(const Attributes& attributes, std::string_view name) {
   Polynomial polynomial = {0, 0, 0};
-  if (const auto numbers = attributes.numbers(name, 1, 3)) {
-    std::copy(numbers->begin(), numbers->end(), polynomial.begin());
-  }
+  const std::vector<double> numbers = attributes.layered(name, polynomial.size());
+  std::copy(numbers.begin(), numbers.end(), polynomial.begin());
   return polynomial;
 }
 
@@ -55,14 +54,14 @@ void tell_what_is_left_out(const Attributes& attributes) {
   notice("springyield", "the yield of joint springs ('springyield')");
 }
 
-/// Time constant and damping ratio: stiffness and damping then depend on the inertia of everything beyond.
-void refuse_springdamper(const Attributes& attributes) {
-  const Element from = attributes.source("springdamper");
-  if (!from) return;
+void read_springdamper(const Attributes& attributes, const Settings& settings, TreeJoint& joint) {
   const auto numbers = attributes.numbers("springdamper", 2, 2);
   if (!numbers || (*numbers)[0] <= 0 || (*numbers)[1] <= 0) return;
-  from.diagnostics().error("F602", from.attribute_at("springdamper"), "'springdamper' of a joint is not supported",
-                           "write the 'stiffness' and 'damping' that MuJoCo computes from it");
+  if (settings.springs && settings.damping) joint.springdamper = {(*numbers)[0], (*numbers)[1]};
+  if (settings.springs == settings.damping) return;
+  const Element from = attributes.source("springdamper");
+  from.diagnostics().error("F602", from.attribute_at("springdamper"),
+                           "'springdamper' is not supported where springs or dampers are switched off");
 }
 
 }  // namespace
@@ -93,7 +92,7 @@ TreeJoint read_joint(const Element& element, const Attributes& attributes, const
   if (settings.damping) joint.damping = read_polynomial(attributes, "damping");
   joint.armature = attributes.number("armature", 0);
   read_range(attributes, settings, unit, joint);
-  refuse_springdamper(attributes);
+  read_springdamper(attributes, settings, joint);
   tell_what_is_left_out(attributes);
   return joint;
 }

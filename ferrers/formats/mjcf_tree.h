@@ -27,8 +27,11 @@ struct TreeJoint {
   std::optional<std::array<double, 2>> range;
   Polynomial stiffness = {0, 0, 0}, damping = {0, 0, 0};
   double springref = 0, armature = 0;
-  bool replaced = false;  ///< A free joint that the options turned into a weld.
-  bool added = false;     ///< A free joint that the options added.
+  /// Time constant, s, and damping ratio, instead of stiffness and damping.
+  std::optional<std::array<double, 2>> springdamper;
+  bool replaced = false;              ///< A free joint that the options turned into a weld.
+  bool added = false;                 ///< A free joint that the options added.
+  std::array<std::string, 2> bodies;  ///< Between which it is in the specification.
   Element element;
   bool scalar() const { return kind == JointKind::kHinge || kind == JointKind::kSlide; }
 };

@@ -136,6 +136,17 @@ std::optional<std::vector<double>> Attributes::numbers(std::string_view name, st
   return std::nullopt;
 }
 
+std::vector<double> Attributes::layered(std::string_view name, std::size_t most) const {
+  std::vector<double> all;
+  for (std::size_t i = sources_.size(); i-- > 0;) {
+    const auto own = Attributes(sources_[i]).numbers(name, 1, most);
+    if (!own) continue;
+    all.resize(std::max(all.size(), own->size()));
+    std::copy(own->begin(), own->end(), all.begin());
+  }
+  return all;
+}
+
 double Attributes::number(std::string_view name, double otherwise) const {
   const auto found = numbers(name, 1, 1);
   return found ? found->front() : otherwise;
@@ -169,6 +180,10 @@ Settings read_settings(const Element& root) {
     settings.gravity = Attributes(one).vector("gravity", settings.gravity);
   }
   for (const Element& one : root.children("option")) {
+    for (const char* name : {"density", "viscosity"}) {
+      if (Attributes(one).number(name, 0) == 0) continue;
+      one.diagnostics().warning("F601", one.attribute_at(name), "forces of a fluid around the bodies are not read");
+    }
     for (const Element& flags : one.children("flag")) read_flags(Attributes(flags), settings);
   }
   return settings;

@@ -28,6 +28,9 @@ class Attributes {
 
   /// Between `least` and `most` numbers. Errors: F206, F208.
   std::optional<std::vector<double>> numbers(std::string_view name, std::size_t least, std::size_t most) const;
+  /// At most `most` numbers; where the element gives fewer than its defaults, the last ones of these stay, as in
+  /// MuJoCo.
+  std::vector<double> layered(std::string_view name, std::size_t most) const;
   double number(std::string_view name, double otherwise) const;
   Vector3d vector(std::string_view name, const Vector3d& otherwise) const;
   /// One of `choices`, by its index. Error: F209.

@@ -59,7 +59,10 @@ void take(const System& system, const Json& joints, bool velocities, VectorXd& o
 Json bodies_of(const Model& model) {
   Json bodies = Json::object();
   for (const Body& body : model.bodies()) {
-    bodies[body.name] = {{"mass", body.mass_kg}, {"com", json_of(body.com_m)}, {"inertia", json_of(body.inertia_kgm2)}};
+    bodies[body.name] = {{"has_mass", body.has_mass},
+                         {"mass", body.mass_kg},
+                         {"com", json_of(body.com_m)},
+                         {"inertia", json_of(body.inertia_kgm2)}};
   }
   return bodies;
 }
