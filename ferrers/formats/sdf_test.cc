@@ -415,7 +415,7 @@ TEST(SdfTest, BrokenFilesAreToldWithCodeAndPlace) {
       {"<robot name='x'/>", "F605", 1, 2},
       {"<sdf>\n</sdf>", "F202", 1, 2},
       {"<sdf version='2.0'/>", "F210", 1, 15},
-      {"<sdf version='1.3'/>", "F210", 1, 15},
+      {"<sdf version='1.2'/>", "F210", 1, 15},
       {"<sdf version='1.7'/>", "F605", 1, 2},
       {"<sdf version='1.7'><world name='w'/>\n<world name='v'/></sdf>", "F605", 2, 2},
       {"<sdf version='1.7'><world name='w'/>\n<model name='v'/></sdf>", "F605", 2, 2},
