@@ -13,6 +13,8 @@ using namespace ferrers;  // NOLINT(google-build-using-namespace)
 
 namespace {
 
+constexpr std::size_t kMostListed = 8;
+
 std::string heading(int number, std::string_view question, const Style& style) {
   return "\n" + style.bold(fmt::format("{}  {}", number, question)) + "\n";
 }
@@ -52,6 +54,28 @@ std::string counts_text(const RedundancyReport& report, const ContradictionRepor
                       counted(report.constraint_rows, "constraint"), report.rank);
   text += fmt::format("   counting   {:>4}   is what Grübler's formula would give for the mobility\n", report.grubler);
   return text + certainty_text(report, closure, style);
+}
+
+// What was done about numbers that are good to a tolerance only.
+std::string geometry_text(const ConsistentGeometry& geometry, const Style& style) {
+  if (geometry.text.empty()) return "";
+  const bool found = geometry.verdict == GeometryVerdict::kFound;
+  std::string first = geometry.text;
+  first[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(first[0])));
+  std::string text = "\n" + wrapped_text(found ? "" : style.yellow("Geometry") + ": ", first + ".", "");
+  std::size_t shown = 0;
+  for (const ParallelAxes& group : geometry.parallel) {
+    if (shown++ == kMostListed) break;
+    const std::size_t named = std::min(group.joints.size(), kMostListed);
+    const std::string joints = fmt::format(
+        "{}", fmt::join(group.joints.begin(), group.joints.begin() + static_cast<long>(named), ", "));
+    text += wrapped_text("", fmt::format("The axes of {}{} are parallel to {}; treated as parallel.", joints,
+                                         named < group.joints.size()
+                                             ? fmt::format(" and {} more", group.joints.size() - named)
+                                             : "",
+                                         angle_text(group.angle_rad)), "");
+  }
+  return text;
 }
 
 std::string closure_text(const ContradictionReport& closure, const Style& style) {
@@ -358,7 +382,8 @@ std::string idle_text(const std::optional<ReleaseReport>& releases) {
 
 }  // namespace
 
-std::string analysis_text(const Model& model, const MechanismAnalysis& analysis, const Style& style) {
+std::string analysis_text(const Model& model, const MechanismAnalysis& analysis, const ConsistentGeometry* geometry,
+                          const Style& style) {
   const RedundancyReport& report = *analysis.redundancy;
   std::vector<std::string> parts;
   if (report.bodies > 0 || report.coordinates == 0) {
@@ -372,6 +397,7 @@ std::string analysis_text(const Model& model, const MechanismAnalysis& analysis,
   if (relations > 0) parts.push_back(counted(relations, "constraint"));
   std::string text = fmt::format("{}: {}", style.bold(model.name()), fmt::join(parts, ", "));
   text += "\n";
+  if (geometry != nullptr) text += geometry_text(*geometry, style);
   text += counts_text(report, analysis.closure, style) + closure_text(analysis.closure, style) +
           idle_text(analysis.releases);
   text += sharing_text(report, style);

@@ -22,6 +22,7 @@ void print_json(const LoadedModel& loaded, const MechanismAnalysis* analysis) {
   AnalysisDocument document;
   if (loaded.model) document.model = loaded.model->name();
   document.analysis = analysis;
+  document.geometry = loaded.geometry ? &*loaded.geometry : nullptr;
   document.diagnostics = &loaded.diagnostics;
   print(stdout, write_analysis_json(document));
 }
@@ -54,7 +55,8 @@ int analyze(const AnalyzeOptions& options) {
   if (options.apply_release > 0 && options.write_model.empty()) {
     return command_line_error("'--apply-release' needs '--write-model FILE' to write the changed model to");
   }
-  LoadedModel loaded = load_model(options);
+  LoadedModel loaded = load_model_as_written(options);
+  make_geometry_consistent(options, loaded);
   if (!loaded.model) {
     if (options.json) print_json(loaded, nullptr);
     return kExitModel;
@@ -81,7 +83,8 @@ int analyze(const AnalyzeOptions& options) {
   if (options.json) {
     print_json(loaded, &analysis);
   } else {
-    print(stdout, analysis_text(*loaded.model, analysis, Style(stdout)));
+    print(stdout, analysis_text(*loaded.model, analysis, loaded.geometry ? &*loaded.geometry : nullptr,
+                                Style(stdout)));
   }
   return analysis.rate_conflict ? kExitNotAssembled : kExitDone;
 }

@@ -23,7 +23,7 @@ namespace {
 
 struct ConvertOptions : ModelOptions {
   std::string output, to;
-  bool force = false;
+  bool force = false, snap = false;
 };
 
 ModelFormat target(const ConvertOptions& options) {
@@ -50,13 +50,30 @@ void print_json(const ConvertOptions& options, const LoadedModel& loaded, ModelF
   print(stdout, object.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
 }
 
+/// Every joint that moved, to stderr.
+void tell_moves(const LoadedModel& loaded) {
+  if (!loaded.geometry) return;
+  if (loaded.geometry->verdict == GeometryVerdict::kExact) {
+    print(stderr, "ferrers: nothing had to move\n");
+    return;
+  }
+  for (const SeatMove& move : loaded.geometry->moves) {
+    print(stderr, fmt::format("ferrers: the seats of '{}' moved by {} and {}\n", move.joint,
+                              length_text(move.distance_m), angle_text(move.angle_rad)));
+  }
+}
+
 int convert(const ConvertOptions& options) {
   const ModelFormat format = target(options);
   if (options.json && options.output.empty()) return command_line_error("'--json' needs '-o FILE' to write the model to");
-  LoadedModel loaded = load_model(options);
+  LoadedModel loaded = load_model_as_written(options);
   if (!loaded.model) {
     if (options.json) print_json(options, loaded, format, {});
     return kExitModel;
+  }
+  if (options.snap) {
+    make_geometry_consistent(options, loaded);
+    tell_moves(loaded);
   }
   if (const std::string error = write_model_if_asked(options, loaded); !error.empty()) return command_line_error(error);
   Diagnostics told(options.file);
@@ -101,6 +118,8 @@ void add_convert(CLI::App& command, Job& job) {
   verb->add_option("--to", options->to, "format; else by the ending of FILE, else native")
       ->check(CLI::IsMember(written_format_words()))
       ->type_name("FORMAT");
+  verb->add_flag("--snap", options->snap,
+                 "move the joints to the consistent geometry within --geometric-tolerance, and tell how far");
   verb->add_flag("--force", options->force, "replace the file when it exists");
   verb->footer(
       "Examples:\n"

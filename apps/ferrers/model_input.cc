@@ -139,7 +139,14 @@ void add_import_options(CLI::App& verb, ImportOptions& options) {
       ->allow_extra_args(false)
       ->type_name("LIST")
       ->group(group);
-  verb.add_option("--closures", options.closures, "URDF: file of closed loops; else NAME.yaml beside NAME.urdf")
+  verb.add_option_function<std::string>(
+          "--revolute-rows", [&options](const std::string& word) { options.merge_revolute_rows = word == "merge"; },
+          "URDF: revolute joints in a row that stand for one joint; else merged where loops are closed")
+      ->check(CLI::IsMember({"merge", "keep"}))
+      ->type_name("merge|keep")
+      ->group(group);
+  verb.add_option("--closures", options.closures,
+                  "URDF: file of closed loops; else NAME.closures.yaml or NAME.yaml beside NAME.urdf")
       ->type_name("FILE")
       ->group(group);
 }
@@ -154,10 +161,35 @@ void add_model_options(CLI::App& verb, ModelOptions& options) {
       ->allow_extra_args(false);
   verb.add_option("--write-model", options.write_model, "also write the model with these changes")->type_name("FILE");
   add_import_options(verb, options.import);
+  verb.add_option("--geometric-tolerance", options.geometric_tolerance,
+                  "what its numbers are good to, relative to its size, and rad; else 0, of CAD files 1e-6, others 1e-5")
+      ->check(CLI::Range(0.0, 1e-2))
+      ->type_name("X")
+      ->group("Files of other programs");
   verb.add_flag("--json", options.json, "print one JSON object instead of text");
 }
 
 LoadedModel load_model(const ModelOptions& options) {
+  LoadedModel loaded = load_model_as_written(options);
+  make_geometry_consistent(options, loaded);
+  if (!loaded.geometry || loaded.geometry->text.empty()) return loaded;
+  loaded.diagnostics.notice("F515", {}, loaded.geometry->text);
+  print_diagnostic(loaded.diagnostics.items().back(), loaded.diagnostics.file(), loaded.source);
+  return loaded;
+}
+
+void make_geometry_consistent(const ModelOptions& options, LoadedModel& loaded) {
+  if (!loaded.model) return;
+  const double tolerance = options.geometric_tolerance.value_or(usual_geometric_tolerance(loaded.format));
+  if (tolerance <= 0) return;
+  loaded.geometry = find_consistent_geometry(*loaded.model, tolerance);
+  if (loaded.geometry->spec) {
+    ModelBuildResult built = build_model(*loaded.geometry->spec);
+    loaded.model = std::make_shared<const Model>(std::move(*built.model));
+  }
+}
+
+LoadedModel load_model_as_written(const ModelOptions& options) {
   ReadModelOptions read;
   read.parameter_texts = options.parameters;
   read.edits = options.edits;

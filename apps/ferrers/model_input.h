@@ -8,6 +8,7 @@
 
 #include "ferrers/formats/formats.h"
 #include "ferrers/kinematics/assembly.h"
+#include "ferrers/redundancy/consistent_geometry.h"
 #include "ferrers/redundancy/contradiction.h"
 
 /// The part that every verb with a model shares: its options, reading, and telling what is wrong.
@@ -18,12 +19,14 @@ struct ModelOptions {
   std::vector<std::string> edits;       ///< path=value
   std::string write_model;              ///< Empty: not asked for.
   ferrers::ImportOptions import;        ///< For files of other programs.
+  /// Relative; absent: what numbers of the file's format are good to.
+  std::optional<double> geometric_tolerance;
   bool json = false;
 
   bool changed() const { return !parameters.empty() || !edits.empty(); }
 };
 
-/// MODEL, -p, --set, --write-model, --base, --ignore, --closures, --json.
+/// MODEL, -p, --set, --write-model, --base, --ignore, --closures, --geometric-tolerance, --json.
 void add_model_options(CLI::App& verb, ModelOptions& options);
 
 /// --base, --ignore, --closures.
@@ -35,10 +38,18 @@ struct LoadedModel {
   std::string source;
   ferrers::ModelFormat format = ferrers::ModelFormat::kNative;
   std::vector<ferrers::RenamedThing> renamed;  ///< Names of a foreign file that had to change.
+  /// What was done about numbers that are good to a tolerance only; empty where it was 0 or the model has errors.
+  std::optional<ferrers::ConsistentGeometry> geometry;
 };
 
-/// Reads the model and prints its diagnostics to stderr.
+/// Reads the model, prints its diagnostics to stderr, makes its geometry consistent and tells so.
 LoadedModel load_model(const ModelOptions& options);
+
+/// The same without the last: the numbers as they are written.
+LoadedModel load_model_as_written(const ModelOptions& options);
+
+/// Replaces the model by one of consistent geometry where its numbers are good to a tolerance only.
+void make_geometry_consistent(const ModelOptions& options, LoadedModel& loaded);
 
 /// Prints diagnostics to stderr; `source` is the text of their file.
 void print_diagnostics(const ferrers::Diagnostics& diagnostics, std::string_view source);

@@ -100,6 +100,7 @@ const std::vector<DiagnosticCode>& diagnostic_codes() {
       {"F512", "no equilibrium"},
       {"F513", "pose is not held"},
       {"F514", "no linear system at this pose"},
+      {"F515", "numbers that are good to a tolerance only"},
       {"F601", "part of the file that is not read"},
       {"F602", "part of the file that is not supported"},
       {"F603", "how something in the file is understood"},

@@ -49,6 +49,22 @@ FileLoader loader_beside(const fs::path& model, const std::optional<fs::path>& n
   };
 }
 
+/// The file of closures of a URDF file: as it is written beside it, or of the same name, else `robot.yaml` where that
+/// is no other file's.
+std::optional<fs::path> closures_beside(const fs::path& model) {
+  std::error_code ignored;
+  for (const char* ending : {".closures.yaml", ".yaml"}) {
+    fs::path beside = model;
+    beside.replace_extension(ending);
+    if (fs::exists(beside, ignored)) return beside;
+  }
+  const fs::path folder = model.parent_path();
+  if (fs::exists(folder / "robot.yaml", ignored) && !fs::exists(folder / "robot.urdf", ignored)) {
+    return folder / "robot.yaml";
+  }
+  return std::nullopt;
+}
+
 void append_sorted(Diagnostics& to, const Diagnostics& more) {
   to.append(more);
   to.sort_by_place();
@@ -57,6 +73,11 @@ void append_sorted(Diagnostics& to, const Diagnostics& more) {
 }  // namespace
 
 std::string_view format_name(ModelFormat format) { return entry(format).name; }
+
+double usual_geometric_tolerance(ModelFormat format) {
+  if (format == ModelFormat::kNative) return 0;
+  return format == ModelFormat::kAsmt ? 1e-6 : 1e-5;
+}
 
 ModelFormat format_of(const fs::path& path, std::string_view text) {
   std::string ending = path.extension().string();
@@ -119,10 +140,7 @@ ModelFile read_any_model_file(const fs::path& path, const ReadModelOptions& opti
   }
   ImportOptions own = import;
   if (format == ModelFormat::kUrdf && !own.closures) {
-    fs::path beside = path;
-    beside.replace_extension(".yaml");
-    std::error_code ignored;
-    if (fs::exists(beside, ignored)) own.closures = beside;
+    own.closures = closures_beside(path);
   }
   return read_any_model_text(std::move(*text), path.string(), format, loader_beside(path, own.closures), options, own);
 }

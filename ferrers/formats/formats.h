@@ -16,6 +16,10 @@ enum class ModelFormat { kNative, kUrdf, kMjcf, kSdf, kAsmt };
 
 std::string_view format_name(ModelFormat format);  ///< "native", "URDF", ...
 
+/// What numbers of such files are good to, relative to the model's size and in rad: 0 for the native format, where they
+/// mean what they say; 1e-6 for what CAD writes; 1e-5 for formats in which people type angles such as 1.5708.
+double usual_geometric_tolerance(ModelFormat format);
+
 /// By the name's ending (.urdf, .mjcf, .sdf, .world, .asmt, .yaml, .json, ...); for .xml by the root element.
 ModelFormat format_of(const std::filesystem::path& path, std::string_view text);
 

@@ -25,6 +25,9 @@ struct ImportOptions {
   bool ignore_armature = false;  ///< Leaves out the inertias of rotors.
   bool ignore_springs = false;   ///< Leaves out springs of joints.
   bool ignore_damping = false;   ///< Leaves out damping and friction of joints.
+  /// One joint for revolute joints in a row that stand for a spherical or universal one; absent: where the file closes
+  /// loops, since these are assembled with it far better.
+  std::optional<bool> merge_revolute_rows;
   /// URDF: the file of closed loops; absent: looked for beside the model.
   std::optional<std::filesystem::path> closures;
 };

@@ -4,11 +4,33 @@
 #include <cctype>
 #include <utility>
 
+#include "ferrers/formats/mjcf_writer.h"
+#include "ferrers/formats/urdf_writer.h"
 #include "ferrers/io/model_writer.h"
+#include "ferrers/model/model.h"
 
 namespace ferrers {
+namespace {
 
-std::vector<ModelFormat> written_formats() { return {ModelFormat::kNative}; }
+std::vector<WrittenFile> urdf_files(const ModelSpec& spec, const std::filesystem::path& path,
+                                    Diagnostics& diagnostics) {
+  const ModelBuildResult built = build_model(spec);
+  if (!built.model) {
+    diagnostics.append(built.diagnostics);
+    return {};
+  }
+  const UrdfText text = write_urdf(*built.model, {}, diagnostics);
+  std::vector<WrittenFile> files = {{path.string(), text.urdf}};
+  if (text.closures.empty()) return files;
+  std::filesystem::path beside = path;
+  if (!path.empty()) beside.replace_extension(".closures.yaml");
+  files.push_back({beside.string(), text.closures});
+  return files;
+}
+
+}  // namespace
+
+std::vector<ModelFormat> written_formats() { return {ModelFormat::kNative, ModelFormat::kUrdf, ModelFormat::kMjcf}; }
 
 std::string format_word(ModelFormat format) {
   std::string word(format_name(format));
@@ -25,6 +47,8 @@ std::vector<std::string> written_format_words() {
 std::vector<WrittenFile> write_any_model(const ModelSpec& spec, ModelFormat format, const std::filesystem::path& path,
                                          Diagnostics& diagnostics) {
   if (format == ModelFormat::kNative) return {{path.string(), write_model(spec)}};
+  if (format == ModelFormat::kUrdf) return urdf_files(spec, path, diagnostics);
+  if (format == ModelFormat::kMjcf) return {{path.string(), write_mjcf(spec, diagnostics)}};
   diagnostics.error("F607", {}, std::string(format_name(format)) + " cannot be written", "it can be read only");
   return {};
 }

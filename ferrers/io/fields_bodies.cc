@@ -102,6 +102,8 @@ ObjectFamily inertia_family() {
        "Thin rods (equality in the triangle inequality) and points are valid.",
        {required(field("moments", K::kVector3, kOfInertia, "Ixx, Iyy, Izz")),
         field("products", K::kVector3, kOfInertia, "Ixy, Ixz, Iyz: entries of the tensor (−∫xy dm)", "[0, 0, 0]"),
+        field("unphysical", K::kBoolean, {},
+              "Whether one principal moment may exceed the sum of the others, as in files of other programs", "false"),
         rotation}},
       {"point", "a point mass", "No moment about its centre.", {}},
       {"rod",

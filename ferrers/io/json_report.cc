@@ -317,10 +317,39 @@ std::string json_text(const OrderedJson& value) {
   return value.dump(2, ' ', false, OrderedJson::error_handler_t::replace) + "\n";
 }
 
+namespace {
+
+OrderedJson geometry_value(const ConsistentGeometry& geometry) {
+  OrderedJson moves = OrderedJson::array(), parallel = OrderedJson::array();
+  for (const SeatMove& one : geometry.moves) {
+    moves.push_back({{"joint", one.joint}, {"distance_m", one.distance_m}, {"angle_rad", one.angle_rad}});
+  }
+  for (const ParallelAxes& one : geometry.parallel) {
+    parallel.push_back({{"joints", one.joints}, {"angle_rad", one.angle_rad}});
+  }
+  return {{"verdict", to_string(geometry.verdict)},
+          {"tolerance", geometry.tolerance},
+          {"misclosure_m", geometry.misclosure_m},
+          {"redundant", geometry.redundant},
+          {"mobility", geometry.mobility},
+          {"as_written",
+           {{"redundant", geometry.redundant_as_written},
+            {"mobility", geometry.mobility_as_written},
+            {"confident", geometry.as_written.confident}}},
+          {"moves", std::move(moves)},
+          {"parallel_axes", std::move(parallel)},
+          {"text", geometry.text}};
+}
+
+}  // namespace
+
 std::string write_analysis_json(const AnalysisDocument& document) {
   OrderedJson out = empty_document();
   if (!document.model.empty()) out["model"] = document.model;
   if (document.analysis != nullptr) add_analysis(*document.analysis, out);
+  if (document.geometry != nullptr && document.geometry->verdict != GeometryVerdict::kExact) {
+    out["geometry"] = geometry_value(*document.geometry);
+  }
   out["ok"] = document.analysis != nullptr && document.analysis->is_assembled() &&
               (document.diagnostics == nullptr || !document.diagnostics->has_errors());
   out["diagnostics"] =

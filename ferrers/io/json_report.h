@@ -3,6 +3,7 @@
 #include <string>
 
 #include "ferrers/core/diagnostics.h"
+#include "ferrers/redundancy/consistent_geometry.h"
 #include "ferrers/redundancy/mechanism_analysis.h"
 
 namespace ferrers {
@@ -12,6 +13,7 @@ struct AnalysisDocument {
   std::string model;                            ///< Empty: not known, the file could not be read.
   const MechanismAnalysis* analysis = nullptr;  ///< Null: the model could not be read.
   const Diagnostics* diagnostics = nullptr;
+  const ConsistentGeometry* geometry = nullptr;  ///< What was done about numbers good to a tolerance; null: nothing.
 };
 
 /// The JSON object of schema `ferrers.analyze/1`, two-space indentation, one newline at the end.

@@ -123,6 +123,7 @@ std::string text_of(const InertiaSpec& inertia) {
       return "{shape: point}";
     case InertiaSpec::Kind::kTensor:
       map.add("moments", text_of(inertia.moments)).add("products", text_of(inertia.products));
+      if (inertia.unphysical) map.add("unphysical", "true");
       break;
     case InertiaSpec::Kind::kRod:
       map.add("shape", "rod").add_if("from", inertia.from).add_if("to", inertia.to);

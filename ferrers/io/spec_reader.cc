@@ -129,6 +129,7 @@ InertiaSpec SpecReader::read_inertia(const DocumentNode& node) {
     inertia.kind = Shape::kTensor;
     if (const auto moments = object.vector3("moments")) inertia.moments = *moments;
     if (const auto products = object.vector3("products")) inertia.products = *products;
+    inertia.unphysical = object.boolean("unphysical").value_or(false);
     rotation();
   } else if (object.tag() == "rod" || object.tag() == "cylinder") {
     inertia.kind = object.tag() == "rod" ? Shape::kRod : Shape::kCylinder;

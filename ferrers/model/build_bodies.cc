@@ -122,7 +122,13 @@ void ModelAssembler::check_physical(const BodySpec& spec, const Body& body) {
     diagnostics_.error("F314", at, fmt::format("the inertia of '{}' has a negative principal moment", body.name),
                        "'products' are the tensor's off-diagonal entries, -integral of x y dm, about the mass centre");
   }
-  if (verdict == InertiaVerdict::kTriangle) {
+  if (verdict == InertiaVerdict::kTriangle && spec.inertia.unphysical) {
+    diagnostics_.warning(
+        "F314", at,
+        fmt::format("in the inertia of '{}' one principal moment exceeds the sum of the others; it is taken as given",
+                    body.name),
+        "no body is like that: check where the numbers come from");
+  } else if (verdict == InertiaVerdict::kTriangle) {
     diagnostics_.error(
         "F314", at, fmt::format("in the inertia of '{}' one principal moment exceeds the sum of the others", body.name),
         "no body is like that; give moments about the mass centre");

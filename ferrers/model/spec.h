@@ -73,6 +73,7 @@ struct InertiaSpec {
   Number3 size;                     ///< kBox: edge lengths along its axes.
   Number radius;                    ///< kCylinder, kSphere (solid).
   std::optional<RotationSpec> rotation;  ///< kBox, kTensor: turns the shape's axes in the drawing frame.
+  bool unphysical = false;  ///< kTensor: one moment may exceed the sum of the others; a warning then, no error.
   SourceRange at;
 };
 

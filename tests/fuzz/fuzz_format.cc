@@ -19,8 +19,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (cut == std::string::npos) return std::nullopt;
     return bytes.substr(cut + 1);
   };
+  ferrers::ImportOptions import;
+  if (cut != std::string::npos) import.closures = "closures.yaml";  // URDF alone asks for it
   ferrers::ModelFile file =
-      ferrers::read_any_model_text(text, "fuzzed", ferrers::ModelFormat::FERRERS_FUZZ_FORMAT, load);
+      ferrers::read_any_model_text(text, "fuzzed", ferrers::ModelFormat::FERRERS_FUZZ_FORMAT, load, {}, import);
   if (file.read.model.has_value() == file.read.diagnostics.has_errors()) std::abort();
   for (const ferrers::Diagnostic& one : file.read.diagnostics.items()) {
     if (ferrers::format_diagnostic(one, "fuzzed", file.read.source).empty()) std::abort();

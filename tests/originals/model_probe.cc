@@ -1,7 +1,8 @@
 // What Ferrers makes of a model file, in numbers, for comparison with the program whose file it is
 // (compare_*.py beside this file).
 //
-//   model_probe FILE [--base fixed|free] [--ignore armature,springs,damping] [--closures FILE] < states.json
+//   model_probe FILE [--base fixed|free] [--ignore armature,springs,damping] [--closures FILE]
+//     [--revolute-rows merge|keep] < states.json
 //
 // Reads {"states": [{"positions": {"joint": [...]}, "velocities": {"joint": [...]}}]}; joints that are left out stay as
 // drawn. Prints per body its mass properties, and per state the poses of the bodies, M, h (with tau: what joints'
@@ -58,7 +59,10 @@ void take(const System& system, const Json& joints, bool velocities, VectorXd& o
 Json bodies_of(const Model& model) {
   Json bodies = Json::object();
   for (const Body& body : model.bodies()) {
-    bodies[body.name] = {{"mass", body.mass_kg}, {"com", json_of(body.com_m)}, {"inertia", json_of(body.inertia_kgm2)}};
+    bodies[body.name] = {{"has_mass", body.has_mass},
+                         {"mass", body.mass_kg},
+                         {"com", json_of(body.com_m)},
+                         {"inertia", json_of(body.inertia_kgm2)}};
   }
   return bodies;
 }
@@ -98,6 +102,8 @@ bool read_options(int argc, char** argv, ImportOptions& import) {
       import.ignore_armature = value.find("armature") != std::string::npos;
       import.ignore_springs = value.find("springs") != std::string::npos;
       import.ignore_damping = value.find("damping") != std::string::npos;
+    } else if (option == "--revolute-rows") {
+      import.merge_revolute_rows = value == "merge";
     } else if (option == "--closures") {
       import.closures = value;
     } else {

@@ -1,0 +1,353 @@
+#include "ferrers/formats/mjcf_writer.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "ferrers/formats/mjcf_written_tree.h"
+
+namespace ferrers {
+namespace mjcf {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr int kDeepestIndent = 50;
+
+std::string text_of(const Vector3d& v) { return fmt::format("{} {} {}", v.x(), v.y(), v.z()); }
+
+std::string text_of(const Eigen::Quaterniond& q) { return fmt::format("{} {} {} {}", q.w(), q.x(), q.y(), q.z()); }
+
+std::string escaped(std::string_view text) {
+  std::string out;
+  for (const char c : text) {
+    if (c == '&')
+      out += "&amp;";
+    else if (c == '<')
+      out += "&lt;";
+    else if (c == '"')
+      out += "&quot;";
+    else
+      out += c;
+  }
+  return out;
+}
+
+/// ` pos="..." quat="..."`, each where it says something.
+std::string place_of(const Pose& X) {
+  std::string out;
+  if (!X.p.isZero(0)) out += fmt::format(" pos=\"{}\"", text_of(X.p));
+  if (X.R.isIdentity(0)) return out;
+  return out + fmt::format(" quat=\"{}\"", text_of(Eigen::Quaterniond(X.R).normalized()));
+}
+
+constexpr std::string_view kJointKinds[] = {"hinge", "slide", "ball", "free"};
+
+class MjcfWriter {
+ public:
+  MjcfWriter(const System& system, const ModelSpec& spec, Diagnostics& diagnostics)
+      : system_(system),
+        model_(*system.model),
+        spec_(spec),
+        diagnostics_(diagnostics),
+        tree_(make_written_tree(system)) {
+    sites_.resize(tree_.bodies.size());
+  }
+
+  std::string write() {
+    add_forces();
+    add_rotors();
+    for (const JointId id : system_.topology->forest.cut_joints) add_closure(model_.joint(id));
+    for (const JointId id : tree_.screws) add_screw(model_.joint(id));
+    for (std::size_t i = 0; i < model_.couplings().size(); ++i) add_coupling(model_.couplings()[i]);
+    for (const Drive& drive : model_.drives()) add_drive(drive);
+    tell_of_the_rest();
+    return fmt::format(
+        "<mujoco model=\"{}\">\n  <compiler angle=\"radian\" autolimits=\"true\"/>\n  <option "
+        "gravity=\"{}\"/>\n{}{}{}{}"
+        "</mujoco>\n",
+        escaped(model_.name()), text_of(model_.gravity()), bodies(), section("tendon", tendons_),
+        section("equality", equalities_), section("actuator", actuators_));
+  }
+
+ private:
+  void warn(const std::string& message) { diagnostics_.warning("F607", {}, "MJCF " + message); }
+  void notice(const std::string& message) { diagnostics_.notice("F607", {}, "MJCF " + message); }
+
+  static std::string section(std::string_view name, const std::string& lines) {
+    return lines.empty() ? "" : fmt::format("  <{0}>\n{1}  </{0}>\n", name, lines);
+  }
+
+  const WrittenTree::Place* place_of(JointCoordinate coordinate) const {
+    const auto found = tree_.coordinates.find(coordinate);
+    return found == tree_.coordinates.end() ? nullptr : &found->second;
+  }
+  WrittenJoint& joint_at(const WrittenTree::Place& place) {
+    return tree_.bodies[static_cast<std::size_t>(place.body)].joints[static_cast<std::size_t>(place.joint)];
+  }
+  /// The hinge or slide of a coordinate, or null.
+  WrittenJoint* scalar_joint(const StateScalar& scalar) {
+    const auto* place = scalar.is_point() ? nullptr : place_of(scalar.coordinate);
+    if (place == nullptr) return nullptr;
+    WrittenJoint& joint = joint_at(*place);
+    return joint.kind == JointKind::kHinge || joint.kind == JointKind::kSlide ? &joint : nullptr;
+  }
+
+  /// Nested bodies, without recursion: mechanisms can be deep.
+  std::string bodies() const {
+    std::vector<std::vector<int>> children(tree_.bodies.size());
+    for (std::size_t i = tree_.bodies.size(); i-- > 1;) {
+      children[static_cast<std::size_t>(tree_.bodies[i].parent)].push_back(static_cast<int>(i));
+    }
+    std::string out = "  <worldbody>\n" + sites_[0];
+    std::vector<std::pair<int, int>> stack;  // body (its end: −1 − body), depth
+    for (const int child : children[0]) stack.emplace_back(child, 2);
+    while (!stack.empty()) {
+      const auto [index, depth] = stack.back();
+      stack.pop_back();
+      const std::string indent(2 * static_cast<std::size_t>(std::min(depth, kDeepestIndent)), ' ');
+      if (index < 0) {
+        out += indent + "</body>\n";
+        continue;
+      }
+      append_body(tree_.bodies[static_cast<std::size_t>(index)], indent, out);
+      out += sites_[static_cast<std::size_t>(index)];
+      stack.emplace_back(-1, depth);
+      for (const int child : children[static_cast<std::size_t>(index)]) stack.emplace_back(child, depth + 1);
+    }
+    return out + "  </worldbody>\n";
+  }
+
+  void append_body(const WrittenBody& body, const std::string& indent, std::string& out) const {
+    out += fmt::format("{}<body name=\"{}\"{}>\n", indent, body.name, mjcf::place_of(body.X_PB));
+    const Body& own = model_.body(body.body);
+    if (own.has_mass) out += fmt::format("{}  {}\n", indent, inertial_of(own));
+    for (const WrittenJoint& joint : body.joints) out += fmt::format("{}  {}\n", indent, joint_text(joint));
+  }
+
+  /// MuJoCo wants positive moments where it is to find their axes itself.
+  static std::string inertial_of(const Body& body) {
+    const Matrix3d& I = body.inertia_kgm2;
+    const Eigen::SelfAdjointEigenSolver<Matrix3d> principal(I);
+    std::string text = fmt::format("<inertial pos=\"{}\" mass=\"{}\" ", text_of(body.com_m), body.mass_kg);
+    if (principal.eigenvalues()[0] > 1e-12 * principal.eigenvalues()[2] && principal.eigenvalues()[2] > 0) {
+      return text +
+             fmt::format("fullinertia=\"{} {} {} {} {} {}\"/>", I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2));
+    }
+    Matrix3d axes = principal.eigenvectors();
+    if (axes.determinant() < 0) axes.col(0) = -axes.col(0);
+    return text + fmt::format("quat=\"{}\" diaginertia=\"{}\"/>", text_of(Eigen::Quaterniond(axes).normalized()),
+                              text_of(Vector3d(principal.eigenvalues().cwiseMax(0))));
+  }
+
+  static std::string joint_text(const WrittenJoint& joint) {
+    if (joint.kind == JointKind::kFree && joint.damping[0] == 0 && joint.armature[0] == 0) {
+      return fmt::format("<freejoint name=\"{}\"/>", joint.name);
+    }
+    std::string text =
+        fmt::format("<joint name=\"{}\" type=\"{}\"", joint.name, kJointKinds[static_cast<std::size_t>(joint.kind)]);
+    if (joint.kind != JointKind::kFree && !joint.pos.isZero(0)) text += fmt::format(" pos=\"{}\"", text_of(joint.pos));
+    if (joint.kind == JointKind::kHinge || joint.kind == JointKind::kSlide) {
+      text += fmt::format(" axis=\"{}\"", text_of(joint.axis));
+    }
+    const auto add = [&](std::string_view name, double value) {
+      if (value != 0) text += fmt::format(" {}=\"{}\"", name, value);
+    };
+    add("ref", joint.ref);
+    if (joint.limits) text += fmt::format(" range=\"{} {}\"", (*joint.limits)[0], (*joint.limits)[1]);
+    add("stiffness", joint.stiffness);
+    add("springref", joint.springref);
+    add("damping", joint.damping[0]);
+    add("armature", joint.armature[0]);
+    return text + "/>";
+  }
+
+  void add_site(BodyId body, const std::string& name, const Pose& X) {
+    const auto index = static_cast<std::size_t>(tree_.index.at(body));
+    sites_[index] += fmt::format("    <site name=\"{}\"{}/>\n", name, mjcf::place_of(X));
+  }
+
+  void add_sites(const Joint& joint, const std::string& name, const Pose& shift) {
+    add_site(joint.first, name + "_first", joint.X_1F * shift);
+    add_site(joint.second, name + "_second", joint.X_2M * shift);
+  }
+
+  void add_closure(const Joint& joint) {
+    const auto hold = [&](std::string_view kind, const std::string& name) {
+      equalities_ += fmt::format("    <{0} name=\"{1}\" site1=\"{1}_first\" site2=\"{1}_second\"/>\n", kind, name);
+    };
+    if (joint.type == JointType::kFree) return;
+    if (joint.type == JointType::kWeld || joint.type == JointType::kSpherical) {
+      add_sites(joint, joint.name, Pose());
+      return hold(joint.type == JointType::kWeld ? "weld" : "connect", joint.name);
+    }
+    if (joint.type == JointType::kRevolute) {
+      add_sites(joint, joint.name, Pose());
+      hold("connect", joint.name);
+      add_sites(joint, joint.name + "_axis", Pose(Matrix3d::Identity(), lever() * Vector3d::UnitZ()));
+      return hold("connect", joint.name + "_axis");
+    }
+    warn(fmt::format("has no constraint for '{}', a {} joint that closes a loop: it is left out", joint.name,
+                     joint_type_info(joint.type).name));
+  }
+
+  /// How far apart the two points of a revolute closure are.
+  double lever() const { return system_.scaling.length_m > 0 ? system_.scaling.length_m : 1; }
+
+  void add_screw(const Joint& joint) {
+    equalities_ += fmt::format(
+        "    <joint name=\"{0}_lead\" joint1=\"{0}_displacement\" joint2=\"{0}_angle\" polycoef=\"0 {1} 0 0 0\"/>\n",
+        joint.name, joint.constants.lead_m / (2 * kPi));
+  }
+
+  void add_coupling(const Coupling& coupling) {
+    std::vector<const WrittenJoint*> joints;
+    for (const StateScalar& scalar : coupling.scalars) joints.push_back(scalar_joint(scalar));
+    const bool known = std::find(joints.begin(), joints.end(), nullptr) == joints.end();
+    if (coupling.relation || !known || joints.empty()) {
+      return warn(fmt::format("cannot say the constraint '{}': it is left out", coupling.name));
+    }
+    double drawn = 0;  // MJCF's relations are between changes from the drawing
+    for (std::size_t i = 0; i < joints.size(); ++i) drawn += coupling.coefficients[i] * joints[i]->ref;
+    if (joints.size() == 2 && coupling.coefficients[0] != 0) {
+      equalities_ += fmt::format("    <joint name=\"{}\" joint1=\"{}\" joint2=\"{}\" polycoef=\"{} {} 0 0 0\"/>\n",
+                                 coupling.name, joints[0]->name, joints[1]->name, -drawn / coupling.coefficients[0],
+                                 -coupling.coefficients[1] / coupling.coefficients[0]);
+      return;
+    }
+    tendons_ += fmt::format("    <fixed name=\"{}\">\n", coupling.name);
+    for (std::size_t i = 0; i < joints.size(); ++i) {
+      tendons_ += fmt::format("      <joint joint=\"{}\" coef=\"{}\"/>\n", joints[i]->name, coupling.coefficients[i]);
+    }
+    tendons_ += "    </fixed>\n";
+    equalities_ +=
+        fmt::format("    <tendon name=\"{0}\" tendon1=\"{0}\" polycoef=\"{1} 0 0 0 0\"/>\n", coupling.name, -drawn);
+  }
+
+  void add_drive(const Drive& drive) {
+    const WrittenJoint* joint = drive.kind == Drive::Kind::kCoordinate ? scalar_joint({drive.coordinate}) : nullptr;
+    if (!drive.acts || joint == nullptr) {
+      return notice(fmt::format("is written without the drive '{}', which is not on a hinge or slide", drive.name));
+    }
+    actuators_ += fmt::format("    <motor name=\"{}\" joint=\"{}\"/>\n", drive.name, joint->name);
+    if (!drive.motion.empty() || !drive.effort.empty()) {
+      notice(fmt::format("is written without the laws of the drive '{}'", drive.name));
+    }
+  }
+
+  void add_forces() {
+    for (const ForceElement& force : model_.forces()) {
+      const auto* damping = std::get_if<JointDamping>(&force.element);
+      const auto* spring = std::get_if<TorsionSpring>(&force.element);
+      const auto* place = damping != nullptr  ? place_of(damping->coordinate)
+                          : spring != nullptr ? place_of(spring->coordinate)
+                                              : nullptr;
+      if (place == nullptr) {
+        warn(fmt::format("cannot say the force '{}': it is left out", force.name));
+      } else if (damping != nullptr) {
+        joint_at(*place).damping[static_cast<std::size_t>(place->velocity)] += damping->damping;
+      } else {
+        add_spring(joint_at(*place), *spring);
+      }
+    }
+    for (std::size_t i = 0; i < model_.coordinates_begin(); ++i) add_friction(model_.joints()[i], JointId(i));
+    check_equal(&WrittenJoint::damping, "dampings");
+  }
+
+  /// Springs of one coordinate add up to one about the mean of their free angles.
+  static void add_spring(WrittenJoint& joint, const TorsionSpring& spring) {
+    const double sum = joint.stiffness + spring.stiffness;
+    if (sum > 0) {
+      joint.springref = (joint.stiffness * joint.springref + spring.stiffness * spring.free_angle) / sum;
+    }
+    joint.stiffness = sum;
+    joint.damping[0] += spring.damping;
+  }
+
+  void add_friction(const Joint& joint, JointId id) {
+    if (!joint.friction) return;
+    if (joint.friction->coulomb > 0) warn(fmt::format("is written without the dry friction of '{}'", joint.name));
+    const int coordinates = static_cast<int>(joint_type_info(joint.type).coordinates.size());
+    for (int k = 0; joint.friction->viscous > 0 && k < coordinates; ++k) {
+      if (const auto* place = place_of({id, k})) {
+        joint_at(*place).damping[static_cast<std::size_t>(place->velocity)] += joint.friction->viscous;
+      } else {
+        warn(fmt::format("is written without the viscous friction of '{}'", joint.name));
+        break;
+      }
+    }
+  }
+
+  /// Rotor inertias: what energies by formulas add to M at constant, single places.
+  void add_rotors() {
+    const Lagrangian& lagrangian = model_.lagrangian();
+    bool all = !spec_.lagrangian.potential_energy && !spec_.lagrangian.dissipation && spec_.lagrangian.forces.empty() &&
+               spec_.lagrangian.coordinates.empty() && !lagrangian.system;
+    for (const Lagrangian::MassEntry& entry : lagrangian.mass) {
+      const StateScalar& scalar = lagrangian.scalars[static_cast<std::size_t>(entry.row)];
+      const std::optional<double> value = entry.value.constant_value();
+      const auto* place =
+          scalar.is_point() || entry.row != entry.column || !value ? nullptr : place_of(scalar.coordinate);
+      if (place != nullptr) joint_at(*place).armature[static_cast<std::size_t>(place->velocity)] += *value;
+      all = all && place != nullptr;
+    }
+    if (!all) warn("cannot say all energies and forces that are given by formulas");
+    check_equal(&WrittenJoint::armature, "rotor inertias");
+  }
+
+  /// Balls and free joints have one number for all directions.
+  void check_equal(std::vector<double> WrittenJoint::*numbers, std::string_view what) {
+    for (WrittenBody& body : tree_.bodies) {
+      for (WrittenJoint& joint : body.joints) {
+        const std::vector<double>& n = joint.*numbers;
+        if (std::all_of(n.begin(), n.end(), [&](double x) { return x == n[0]; })) continue;
+        warn(
+            fmt::format("has one number for the {} of '{}' in all directions: the first is written", what, joint.name));
+      }
+    }
+  }
+
+  void tell_of_the_rest() {
+    if (system_.topology->general_coordinates > 0) warn("has no generalized coordinates: they are left out");
+    const auto left_out = [&](bool present, std::string_view what) {
+      if (present) notice(fmt::format("is written without {}", what));
+    };
+    left_out(!model_.initial().empty(), "initial values");
+    left_out(!model_.parameters().empty(), "parameters: formulas are written as their numbers");
+    left_out(!model_.records().empty() || !model_.recorded_formulas().empty(), "recorded points and formulas");
+    left_out(!model_.events().empty(), "events");
+    const auto has_stiffness = [](const Joint& joint) { return joint.stiffness || joint.misalignment; };
+    left_out(std::any_of(model_.joints().begin(), model_.joints().end(), has_stiffness),
+             "stiffnesses and misalignments of joints");
+    for (const WrittenBody& body : tree_.bodies) {
+      const Body& own = model_.body(body.body.valid() ? body.body : kGround);
+      if (!body.body.valid() || own.has_mass) continue;
+      notice(fmt::format("takes the body '{}' without a mass for massless", own.name));
+    }
+  }
+
+  const System& system_;
+  const Model& model_;
+  const ModelSpec& spec_;
+  Diagnostics& diagnostics_;
+  WrittenTree tree_;
+  std::vector<std::string> sites_;  ///< Per written body.
+  std::string tendons_, equalities_, actuators_;
+};
+
+}  // namespace
+}  // namespace mjcf
+
+std::string write_mjcf(const ModelSpec& spec, Diagnostics& diagnostics) {
+  ModelBuildResult built = build_model(spec);
+  if (!built.model) {
+    diagnostics.append(built.diagnostics);
+    return "";
+  }
+  const auto system = make_system(std::move(*built.model));
+  return mjcf::MjcfWriter(*system, spec, diagnostics).write();
+}
+
+}  // namespace ferrers
