@@ -110,7 +110,9 @@ TEST(SdfTest, ReferencesThatLeadBackToThemselvesAreToldOnceWithTheirPlace) {
                                             "F605 the pose of 'h' leads back to itself",
                                             "F605 what carries the frame of 'h' leads back to itself"));
   for (const Diagnostic& one : result.diagnostics.items()) {
-    if (one.message.find("of 'f'") != std::string::npos) EXPECT_EQ(one.at.line, 4);
+    if (one.message.find("of 'f'") != std::string::npos) {
+      EXPECT_EQ(one.at.line, 4);
+    }
   }
 }
 
