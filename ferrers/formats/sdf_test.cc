@@ -110,7 +110,9 @@ TEST(SdfTest, ReferencesThatLeadBackToThemselvesAreToldOnceWithTheirPlace) {
                                             "F605 the pose of 'h' leads back to itself",
                                             "F605 what carries the frame of 'h' leads back to itself"));
   for (const Diagnostic& one : result.diagnostics.items()) {
-    if (one.message.find("of 'f'") != std::string::npos) EXPECT_EQ(one.at.line, 4);
+    if (one.message.find("of 'f'") != std::string::npos) {
+      EXPECT_EQ(one.at.line, 4);
+    }
   }
 }
 
@@ -415,7 +417,7 @@ TEST(SdfTest, BrokenFilesAreToldWithCodeAndPlace) {
       {"<robot name='x'/>", "F605", 1, 2},
       {"<sdf>\n</sdf>", "F202", 1, 2},
       {"<sdf version='2.0'/>", "F210", 1, 15},
-      {"<sdf version='1.3'/>", "F210", 1, 15},
+      {"<sdf version='1.2'/>", "F210", 1, 15},
       {"<sdf version='1.7'/>", "F605", 1, 2},
       {"<sdf version='1.7'><world name='w'/>\n<world name='v'/></sdf>", "F605", 2, 2},
       {"<sdf version='1.7'><world name='w'/>\n<model name='v'/></sdf>", "F605", 2, 2},

@@ -7,7 +7,7 @@
 /// Versions of SDF whose meaning differs, by their minor number (7 is 1.7).
 namespace ferrers {
 
-inline constexpr int kOldestSdf = 4;
+inline constexpr int kOldestSdf = 3;
 inline constexpr int kNewestSdf = 12;
 inline constexpr int kAxisInJointFrame = 5;  ///< Before: axes are given in the model's frame.
 inline constexpr int kUniqueFrameNames = 7;  ///< Before: a joint may be called as a link.
