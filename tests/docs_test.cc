@@ -95,7 +95,7 @@ Page read_page(const std::string& text) {
 
 std::vector<std::string> page_names() {
   std::vector<std::string> names;
-  for (const auto& entry : fs::directory_iterator(kSource / "docs")) {
+  for (const auto& entry : fs::recursive_directory_iterator(kSource / "docs")) {
     if (entry.path().extension() == ".md" && !read_page(read_text(entry.path())).commands.empty())
       names.push_back(entry.path().stem().string());
   }
@@ -103,7 +103,11 @@ std::vector<std::string> page_names() {
   return names;
 }
 
-Page load_page(const std::string& name) { return read_page(read_text(kSource / "docs" / (name + ".md"))); }
+/// By the name of its file alone: pages on formats stand in a folder of their own.
+Page load_page(const std::string& name) {
+  const fs::path page = kSource / "docs" / (name + ".md"), of_format = kSource / "docs/formats" / (name + ".md");
+  return read_page(read_text(fs::exists(page) ? page : of_format));
+}
 
 // ---------------------------------------------------------------------------------------------------------------------
 // Comparison

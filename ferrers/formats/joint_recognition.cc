@@ -119,6 +119,15 @@ std::optional<std::array<double, 2>> right_crossing(const Pose& one, const Pose&
   return std::array<double, 2>{way.dot(z1), -way.dot(z2)};
 }
 
+/// What is usual, whatever single parts weigh; 0 where all are zero.
+double median_of_nonzero(std::vector<double> values) {
+  values.erase(std::remove(values.begin(), values.end(), 0.0), values.end());
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<long>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
 class RowFinder {
  public:
   explicit RowFinder(const ModelSpec& spec) : used_(spec) {
@@ -157,8 +166,10 @@ class RowFinder {
   void find_light_bodies(const ModelSpec& spec) {
     const auto inertia = [](const BodySpec& body) { return values(body.inertia.moments).cwiseAbs().maxCoeff(); };
     const auto mass = [](const BodySpec& body) { return body.mass ? body.mass->value : 0; };
-    double whole_mass = 0, whole_inertia = 0;
-    for (const BodySpec& body : spec.bodies) whole_mass += mass(body), whole_inertia += inertia(body);
+    std::vector<double> masses, inertias;
+    for (const BodySpec& body : spec.bodies) masses.push_back(mass(body)), inertias.push_back(inertia(body));
+    const double usual_mass = median_of_nonzero(std::move(masses));
+    const double usual_inertia = median_of_nonzero(std::move(inertias));
     for (const BodySpec& body : spec.bodies) {
       const bool is_tensor =
           body.inertia.kind == InertiaSpec::Kind::kPoint || body.inertia.kind == InertiaSpec::Kind::kTensor;
@@ -166,8 +177,8 @@ class RowFinder {
       if (!is_tensor || !in_numbers || joint_count_[body.name.name] != 2 || used_.bodies.count(body.name.name) > 0) {
         continue;
       }
-      const bool weighs_nothing = mass(body) <= kNegligible * whole_mass;
-      if (weighs_nothing && inertia(body) <= kNegligible * whole_inertia) light_.insert(body.name.name);
+      const bool weighs_nothing = mass(body) <= kNegligible * usual_mass;
+      if (weighs_nothing && inertia(body) <= kNegligible * usual_inertia) light_.insert(body.name.name);
     }
   }
 

@@ -19,7 +19,7 @@ struct RevoluteRow {
 /// Finds rows of two (universal) or three (spherical) revolute joints, given by `frames`, whose axes meet in one point
 /// at right angles, each to the next, within 1e-6 m and 1e-6 rad.
 ///
-/// The bodies between them weigh nothing (at most 1e-6 of the whole, inertia likewise), carry no other joint, and
+/// The bodies between them weigh nothing (at most 1e-6 of the median of all masses, inertia likewise), carry no other joint, and
 /// nothing in the specification names one of these bodies or joints: no coupling, drive, force, formula, initial value,
 /// record; no limits, friction, stiffness or misalignment. A row of three is not also given as a row of two. Cost:
 /// linear in the size of the specification, up to logarithms.

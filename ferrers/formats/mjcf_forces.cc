@@ -25,7 +25,7 @@ class ForceWriter {
   void add(const TreeBody& body, const TreeJoint& joint) {
     if (joint.replaced || joint.added) return;
     if (!import_.options.ignore_springs) add_spring(body, joint);
-    if (!import_.options.ignore_damping) add_damping(joint);
+    if (!import_.options.ignore_damping) add_damping(body, joint);
     if (!import_.options.ignore_armature && joint.armature != 0) add_armature(joint);
   }
 
@@ -53,8 +53,8 @@ class ForceWriter {
     import_.spec().forces.push_back({{import_.names.add("forces", "force", name), at}, element, at});
   }
 
-  CoordinateRef coordinate(const TreeJoint& joint, const char* word = "") const {
-    return {{joint.name, joint.element.main_at()}, word};
+  CoordinateRef coordinate(const TreeJoint& joint) const {
+    return {{joint.name, joint.element.main_at()}, ""};
   }
 
   void add_generalized_force(const TreeJoint& joint, const Expression& force) {
@@ -95,7 +95,7 @@ class ForceWriter {
     add_force(name, joint.element, bushing);
   }
 
-  void add_damping(const TreeJoint& joint) {
+  void add_damping(const TreeBody& body, const TreeJoint& joint) {
     const Polynomial& d = joint.damping;
     if (has_curve(joint, d, "damping")) {
       const Expression v = velocities_of(joint)[0];
@@ -107,8 +107,12 @@ class ForceWriter {
     const std::string name = joint.original + "_damping";
     if (joint.kind != JointKind::kFree)
       return add_force(name, joint.element, JointDampingSpec{coordinate(joint), d[0]});
-    for (const char* word : kTurns) add_force(name, joint.element, JointDampingSpec{coordinate(joint, word), d[0]});
-    for (const char* word : kMoves) add_force(name, joint.element, JointDampingSpec{coordinate(joint, word), d[0]});
+    BushingSpec damper;  // at the body's origin, whose velocity a free joint's is
+    const SourceRange at = joint.element.main_at();
+    damper.bodies = {NameRef(joint.bodies[0], at), NameRef(joint.bodies[1], at)};
+    damper.place.drawn = vector_spec(body.X_WB.p);
+    damper.moment_damping = damper.force_damping = number3(d[0], d[0], d[0]);
+    add_force(name, joint.element, damper);
   }
 
   void add_armature(const TreeJoint& joint) {
