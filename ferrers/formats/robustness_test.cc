@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "ferrers/formats/formats.h"
+#include "ferrers/testing/asmt_text.h"
 
 namespace ferrers {
 namespace {
@@ -18,9 +19,21 @@ struct Sample {
   std::string text;
 };
 
+std::string assembly() {
+  witness::AsmtText file;
+  file.marker("base");
+  file.part("crank", {Eigen::Matrix3d::Identity(), {100, 20, 0}}, 2);
+  file.part_marker("crank", "pin", {Eigen::Matrix3d::Identity(), {10, 0, 0}});
+  file.part_marker("crank", "end", {Eigen::Matrix3d::Identity(), {60, 0, 0}});
+  file.part("rod", {Eigen::Matrix3d::Identity(), {160, 20, 0}});
+  file.part_marker("rod", "start", {Eigen::Matrix3d::Identity(), {0, 0, 0}});
+  file.joint("RevoluteJoint", "turn", "base", "crank/pin");
+  file.joint("SphericalJoint", "ball", "crank/end", "rod/start");
+  return file.text();
+}
+
 const std::vector<Sample>& samples() {
-  static const std::vector<Sample> all = {
-      {ModelFormat::kUrdf, "URDF", R"(<?xml version="1.0"?>
+  static const std::vector<Sample> all = {{ModelFormat::kUrdf, "URDF", R"(<?xml version="1.0"?>
 <robot name="r">
   <link name="base"/>
   <link name="arm">
@@ -39,7 +52,7 @@ const std::vector<Sample>& samples() {
   </joint>
 </robot>
 )"},
-      {ModelFormat::kMjcf, "MJCF", R"(<mujoco model="m">
+                                          {ModelFormat::kMjcf, "MJCF", R"(<mujoco model="m">
   <compiler angle="degree" eulerseq="xyz"/>
   <option gravity="0 0 -9.81"/>
   <default> <joint damping="0.1"/> <default class="big"> <geom size="0.2"/> </default> </default>
@@ -61,7 +74,7 @@ const std::vector<Sample>& samples() {
   <actuator> <motor joint="ja" gear="10"/> </actuator>
 </mujoco>
 )"},
-      {ModelFormat::kSdf, "SDF", R"(<?xml version="1.0"?>
+                                          {ModelFormat::kSdf, "SDF", R"(<?xml version="1.0"?>
 <sdf version="1.9">
   <world name="w">
     <gravity>0 0 -9.8</gravity>
@@ -80,23 +93,14 @@ const std::vector<Sample>& samples() {
       <joint name="k" type="screw"> <parent>g</parent> <child>n::b</child> <thread_pitch>-3</thread_pitch>
         <axis> <xyz>1 0 0</xyz> <mimic joint="j"> <multiplier>2</multiplier> <offset>0.1</offset> </mimic> </axis> </joint>
     </model>
-    <include> <uri>model://other</uri> <pose>0 0 1 0 0 0</pose> </include>
   </world>
 </sdf>
 )"},
-      {ModelFormat::kAsmt, "ASMT",
-       "freeCAD: 3D CAD with Motion Simulation  by  askoh.com\n"
-       "Assembly\n\tNotes\n\t\t(Text string: '' runs: (Core.RunArray runs: #() values: #()))\n"
-       "\tName\n\t\tOndselAssembly\n\tPosition3D\n\t\t0\t0\t0\n\tRotationMatrix\n"
-       "\t\t1\t0\t0\n\t\t0\t1\t0\n\t\t0\t0\t1\n\tParts\n\t\tPart\n\t\t\tName\n\t\t\t\tP1\n"
-       "\t\t\tPosition3D\n\t\t\t\t0\t0\t0\n\t\t\tRotationMatrix\n\t\t\t\t1\t0\t0\n"
-       "\t\t\t\t0\t1\t0\n\t\t\t\t0\t0\t1\n\tJoints\n\t\tRevoluteJoint\n\t\t\tName\n\t\t\t\tJ1\n"
-       "\t\t\tMarkerI\n\t\t\t\t/OndselAssembly/P1/M1\n\t\t\tMarkerJ\n"
-       "\t\t\t\t/OndselAssembly/M1\n"}};
+                                          {ModelFormat::kAsmt, "ASMT", assembly()}};
   return all;
 }
 
-/// Reads and judges. Further files are the text itself, so that it also includes itself.
+/// Reads and judges. Further files are the text itself, so that what includes anything includes itself.
 void expect_an_answer(const Sample& sample, const std::string& text, const std::string& what) {
   const FileLoader load = [&](const std::string&) -> std::optional<std::string> { return text; };
   const ModelFile file = read_any_model_text(text, "sample", sample.format, load);
@@ -104,6 +108,29 @@ void expect_an_answer(const Sample& sample, const std::string& text, const std::
   ASSERT_NE(file.read.model.has_value(), told.has_errors()) << sample.name << ", " << what;
   for (const Diagnostic& one : told.items()) {
     ASSERT_FALSE(format_diagnostic(one, "sample", file.read.source).empty());
+  }
+}
+
+TEST(RobustnessTest, TheSamplesThemselvesAreModels) {
+  const FileLoader load = [](const std::string&) { return std::nullopt; };
+  for (const Sample& sample : samples()) {
+    const ModelFile file = read_any_model_text(sample.text, "sample", sample.format, load);
+    std::string told;
+    for (const Diagnostic& one : file.read.diagnostics.items()) {
+      told += format_diagnostic(one, "sample", file.read.source) + "\n";
+    }
+    EXPECT_TRUE(file.read.model.has_value()) << sample.name << "\n" << told;
+  }
+}
+
+TEST(RobustnessTest, FilesThatIncludeThemselvesEndInErrors) {
+  for (Sample sample : samples()) {
+    const std::string include = sample.format == ModelFormat::kMjcf
+                                    ? "<include file='x.xml'/>"
+                                    : "<model name='i'><include><uri>x.sdf</uri></include></model>";
+    const std::size_t end = sample.text.rfind("</");
+    if (end == std::string::npos) continue;
+    expect_an_answer(sample, sample.text.insert(end, include), "includes itself");
   }
 }
 

@@ -59,7 +59,7 @@ void read_dynamics(const SdfElement& axis, const SdfAxisOwner& owner, int which,
     add("spring", TorsionSpringSpec{coordinate, stiffness, Number(0), reference});
   }
   if (friction.value != 0 && !options.ignore_damping) {
-    dynamics.notice("F601", fmt::format("the constant friction of '{}' is not read", owner.name));
+    dynamics.warning("F601", fmt::format("the constant friction of '{}' is not read", owner.name));
   }
 }
 

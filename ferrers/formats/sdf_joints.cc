@@ -81,13 +81,14 @@ void JointReader::draw_open(const SdfJoint& joint, int parent, int child, std::a
   const double turned = (apart.R - Matrix3d::Identity()).norm();
   if (!(far > kSamePlace) && !(turned > kSamePlace)) return;
   sides[0].X_WJ = X_WP;
-  joint.element.warning(
-      "F603",
-      fmt::format("the frames '{}' and '{}', which the joint '{}' connects, are drawn {:.4g} m apart{}: the joint is "
-                  "taken to bring them together",
-                  tree_.frames[parent].name, tree_.frames[child].name, tree_.shown(joint.path), far,
-                  turned > kSamePlace ? ", and turned" : ""),
-      "libsdformat would place the joint at its child, as drawn; an empty <pose/> in the joint says so here too");
+  std::string how = far > kSamePlace ? fmt::format("{:.4g} m apart", far) : "";
+  if (turned > kSamePlace) how += how.empty() ? "turned against each other" : " and turned";
+  joint.element.warning("F603",
+                        fmt::format("the frames '{}' and '{}', which the joint '{}' connects, are drawn {}: the joint "
+                                    "is taken to bring them together",
+                                    tree_.frames[parent].name, tree_.frames[child].name, tree_.shown(joint.path), how),
+                        "libsdformat would place the joint at its child, as drawn; an empty <pose/> in the joint says "
+                        "so here too");
 }
 
 std::optional<std::array<Side, 2>> JointReader::sides(const SdfJoint& joint, const TypeEntry& type) {

@@ -3,11 +3,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <map>
 #include <numbers>
+#include <sstream>
 #include <string>
 
 #include "ferrers/formats/formats.h"
+#include "ferrers/redundancy/mechanism_analysis.h"
 
 namespace ferrers {
 namespace {
@@ -318,6 +321,20 @@ TEST(SdfTest, JointsOfFramesThatAreDrawnApartBringTheseTogetherUnlessTheJointHas
       read(model_17(link("a") + link("b") + frame + joint("j", "revolute", "f", "b", "<pose/>" + axis)));
   EXPECT_EQ(pose_of((*joint_named(closed, "j").frames)[0]).p, Vector3d(0, 0, 0));
   EXPECT_THAT(all_text(closed.diagnostics), testing::Not(HasSubstr("apart")));
+}
+
+TEST(SdfTest, AFourBarDrawnOpenIsAssembledAndHasTheThreeRedundantConstraintsOfAPlanarOne) {
+  std::ifstream stream(std::string(FERRERS_SOURCE_DIR) + "/tests/models/formats/sdf/four_bar_open.sdf");
+  std::stringstream text;
+  text << stream.rdbuf();
+  const ModelFile file = read_any_model_text(text.str(), "four_bar_open.sdf", ModelFormat::kSdf,
+                                             [](const std::string&) { return std::nullopt; });
+  ASSERT_TRUE(file.read.model.has_value()) << all_text(file.read.diagnostics);
+  const MechanismAnalysis analysis = analyze_mechanism(*make_system(*file.read.model));
+  ASSERT_TRUE(analysis.redundancy.has_value());
+  EXPECT_EQ(analysis.redundancy->closure_rows, 5);
+  EXPECT_EQ(analysis.redundancy->closure_rank, 2);
+  EXPECT_EQ(analysis.redundancy->mobility, 1);
 }
 
 // ---- the base ------------------------------------------------------------------------------------------------------
