@@ -18,7 +18,7 @@ struct Broken {
 
 const Broken kBroken[] = {
     {"nothing", "", "F103:0:0"},
-    {"no XML", "<mujoco><worldbody></mujoco>", "F107:1:21"},
+    {"no XML", "<mujoco><worldbody></mujoco>", "F107:1:22"},
     {"another root", "<robot/>", "F605:1:2"},
     {"an attribute twice", "<mujoco model='a' model='b'/>", "F109:1:19"},
     {"words for numbers", "<mujoco><worldbody>\n<body pos='a b c'/></worldbody></mujoco>", "F206:2:12"},
