@@ -64,10 +64,10 @@ TEST_F(CommandTest, HelpAndVersionAreResultsAndNotErrors) {
 TEST_F(CommandTest, HelpListsWhatThereIsAndNothingElse) {
   const std::string help = run({"--help"}).output;
   for (const char* verb : {"analyze", "inverse", "simulate", "sweep", "kinematics", "equilibrium", "linearize",
-                           "equations", "schema", "new", "doctor"}) {
+                           "equations", "convert", "schema", "new", "doctor"}) {
     EXPECT_THAT(help, HasSubstr("\n  " + std::string(verb) + " "));
   }
-  for (const char* verb : {"view", "report", "optimize", "plot", "convert"}) {
+  for (const char* verb : {"view", "report", "optimize", "plot"}) {
     EXPECT_THAT(help, Not(HasSubstr("\n  " + std::string(verb) + " ")));
   }
   EXPECT_THAT(run({"simulate", "--help"}).output, HasSubstr("Examples:"));

@@ -153,7 +153,7 @@ TEST(MjcfForcesTest, BallsAndFreeBodiesHaveThemInEveryDirection) {
       <body name="a"><joint name="ball" type="ball" stiffness="3" damping="2" armature="0.4"/><geom size="1"/></body>
       <body name="b"><joint name="free" type="free" stiffness="5" damping="2" armature="0.4"/><geom size="1"/></body>
     </worldbody></mujoco>)");
-  ASSERT_EQ(model.forces().size(), 2U + 3U + 1U);
+  ASSERT_EQ(model.forces().size(), 2U + 3U + 1U);  // bushings of both, a damper per axis of the ball, one of the free body
   EXPECT_EQ(model.lagrangian().mass.size(), 9U);
 }
 

@@ -22,6 +22,8 @@ constexpr int kPoses = 8, kProofPoses = 3, kMostRounds = 4, kMostIterations = 15
 constexpr double kStep = 0.08;       // between poses, two of them; in characteristic lengths and rad
 constexpr double kOpen = 300;        // a misclosure of so many tolerances is none that the tolerance explains
 constexpr double kParallel = 1e-10;  // rad: what rounding leaves of parallel axes
+constexpr double kNearlyParallel = 10;  // tolerances
+constexpr double kTurnWeight = 100;  // a seat is rather moved than turned, or axes made parallel would not stay so
 constexpr double kNoMove = 1e-14;    // relative; rad
 
 bool has_free_seats(const Joint& joint) {
@@ -103,6 +105,69 @@ class Seats {
   std::shared_ptr<const System> system_;
 };
 
+bool has_axis(const Joint& joint) {
+  const PlacementRule rule = joint_type_info(joint.type).placement;
+  return rule == PlacementRule::kPointAxis || rule == PlacementRule::kPointNormal;
+}
+
+double angle_between_lines(const Vector3d& a, const Vector3d& b) { return std::asin(std::min(1.0, a.cross(b).norm())); }
+
+/// Joints whose axes (z of F) are parallel within `angle` to that of the first of their group, at one pose.
+std::vector<std::vector<std::size_t>> parallel_groups(const std::vector<Joint>& joints, const JointWrenches& at,
+                                                      double angle) {
+  const auto axis = [&](std::size_t j) -> Vector3d { return at[j].motion.R_F.col(2); };
+  std::vector<bool> taken(joints.size(), false);
+  std::vector<std::vector<std::size_t>> groups;
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    if (taken[i] || !has_axis(joints[i])) continue;
+    std::vector<std::size_t> group = {i};
+    for (std::size_t j = i + 1; j < joints.size(); ++j) {
+      if (taken[j] || !has_axis(joints[j]) || angle_between_lines(axis(i), axis(j)) > angle) continue;
+      group.push_back(j);
+      taken[j] = true;
+    }
+    if (group.size() > 1) groups.push_back(std::move(group));
+  }
+  return groups;
+}
+
+JointWrenches joints_at(const System& system, const State& state) {
+  PositionKinematics pos = make_position_kinematics(system);
+  compute_positions(system, state.q, pos);
+  return compute_joint_frame_wrenches(system, state, pos);
+}
+
+/// The rotation that turns z of a frame along `n`, given in the world, the short way.
+Vector3d turn_to(const Matrix3d& R, const Vector3d& n) {
+  Vector3d wanted = R.transpose() * n;
+  if (wanted.z() < 0) wanted = -wanted;
+  return rotation_log(Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), wanted).toRotationMatrix());
+}
+
+/// What makes axes parallel that nearly are. Without it the nearest geometry of a planar mechanism would be a spherical
+/// one, its axes meeting a million diameters away.
+VectorXd aligning_moves(const System& system, const State& state, double angle) {
+  const auto& joints = system.model->joints();
+  const JointWrenches at = joints_at(system, state);
+  VectorXd moves = VectorXd::Zero(static_cast<long>(12 * joints.size()));
+  for (const std::vector<std::size_t>& group : parallel_groups(joints, at, angle)) {
+    const Vector3d first = at[group[0]].motion.R_F.col(2);
+    Vector3d mean = Vector3d::Zero();
+    for (const std::size_t j : group) {
+      for (const Vector3d& z : {Vector3d(at[j].motion.R_F.col(2)), Vector3d(at[j].motion.R_M.col(2))}) {
+        mean += z.dot(first) < 0 ? Vector3d(-z) : z;
+      }
+    }
+    mean.normalize();
+    for (const std::size_t j : group) {
+      auto move = moves.segment<12>(static_cast<long>(12 * j));
+      move.segment<3>(3) = system.scaling.length_m * turn_to(at[j].motion.R_F, mean);
+      move.segment<3>(9) = system.scaling.length_m * turn_to(at[j].motion.R_M, mean);
+    }
+  }
+  return moves;
+}
+
 /// What the self-stresses of one pose feel: rows of A x = b in the seats' displacements.
 void add_conditions(const System& system, const State& state, const TolerantWalk& walk, std::vector<VectorXd>& A,
                     std::vector<double>& b) {
@@ -110,7 +175,7 @@ void add_conditions(const System& system, const State& state, const TolerantWalk
   PositionKinematics pos = make_position_kinematics(system);
   compute_positions(system, state.q, pos);
   const AllRows rows = make_all_rows(system, system.scaling);
-  const JointWrenches joints = compute_joint_frame_wrenches(system, state, pos);
+  const JointWrenches joints = joints_at(system, state);
   SelfStressExtender extender(system, system.scaling, rows, pos, joints);
   const MatrixXd null = walk.left_null();
   for (long s = 0; s < null.cols(); ++s) {
@@ -131,9 +196,9 @@ void add_conditions(const System& system, const State& state, const TolerantWalk
       const Vector3d moment_F = moment_M + joint.motion.d.cross(force);
       auto at = felt.segment<12>(static_cast<long>(12 * j));
       at.segment<3>(0) = -(joint.motion.R_F.transpose() * force);
-      at.segment<3>(3) = -(joint.motion.R_F.transpose() * moment_F) / length;
+      at.segment<3>(3) = -(joint.motion.R_F.transpose() * moment_F) / (kTurnWeight * length);
       at.segment<3>(6) = joint.motion.R_M.transpose() * force;
-      at.segment<3>(9) = joint.motion.R_M.transpose() * moment_M / length;
+      at.segment<3>(9) = joint.motion.R_M.transpose() * moment_M / (kTurnWeight * length);
     }
     const double size = felt.norm();
     if (size == 0) continue;
@@ -151,7 +216,9 @@ VectorXd least_displacements(const std::vector<VectorXd>& rows, const std::vecto
   const VectorXd& sigma = svd.singularValues();
   const double blur = sigma[0] * std::max(1e-13, 10 * b.cwiseAbs().maxCoeff() / length);
   const VectorXd share = sigma.array() / (sigma.array().square() + blur * blur);
-  return svd.matrixV() * share.cwiseProduct(svd.matrixU().transpose() * b);
+  VectorXd x = svd.matrixV() * share.cwiseProduct(svd.matrixU().transpose() * b);
+  for (long at = 3; at < x.size(); at += 6) x.segment<3>(at) /= kTurnWeight;
+  return x;
 }
 
 class Search {
@@ -168,6 +235,7 @@ class Search {
     }
     State start = assemble(system).state;
     if (!read_as_written(start)) return;
+    if (!seats_.move(aligning_moves(system, start, kNearlyParallel * tolerance_), length_)) return;
     collect_poses(start);
     for (int round = 0; round < kMostRounds; ++round) {
       if (!correct()) break;
@@ -277,45 +345,21 @@ class Search {
   std::vector<State> poses_;
 };
 
-bool has_axis(const Joint& joint) {
-  const PlacementRule rule = joint_type_info(joint.type).placement;
-  return rule == PlacementRule::kPointAxis || rule == PlacementRule::kPointNormal;
-}
-
-std::vector<Vector3d> axes_at(const System& system, const State& state) {
-  PositionKinematics pos = make_position_kinematics(system);
-  compute_positions(system, state.q, pos);
-  std::vector<Vector3d> axes;
-  for (const JointFrameWrenches& joint : compute_joint_frame_wrenches(system, state, pos).joints) {
-    axes.push_back(joint.motion.R_F.col(2));
-  }
-  return axes;
-}
-
-double angle_between_lines(const Vector3d& a, const Vector3d& b) { return std::asin(std::min(1.0, a.cross(b).norm())); }
-
 /// Groups of axes that are parallel now, with what they were as written at the same coordinates.
 std::vector<ParallelAxes> find_parallel_axes(const System& before, const System& after, const State& pose) {
-  const std::vector<Vector3d> was = axes_at(before, pose), is = axes_at(after, pose);
+  const JointWrenches was = joints_at(before, pose);
   const auto& joints = after.model->joints();
-  std::vector<bool> taken(joints.size(), false);
   std::vector<ParallelAxes> groups;
-  for (std::size_t i = 0; i < joints.size(); ++i) {
-    if (taken[i] || !has_axis(joints[i])) continue;
-    std::vector<std::size_t> members = {i};
-    for (std::size_t j = i + 1; j < joints.size(); ++j) {
-      if (taken[j] || !has_axis(joints[j]) || angle_between_lines(is[i], is[j]) > kParallel) continue;
-      members.push_back(j);
-      taken[j] = true;
-    }
+  for (const std::vector<std::size_t>& members : parallel_groups(joints, joints_at(after, pose), kParallel)) {
     ParallelAxes group;
     for (const std::size_t a : members) {
       group.joints.push_back(joints[a].name);
       for (const std::size_t b : members) {
-        group.angle_rad = std::max(group.angle_rad, angle_between_lines(was[a], was[b]));
+        group.angle_rad = std::max(
+            group.angle_rad, angle_between_lines(was[a].motion.R_F.col(2), was[b].motion.R_F.col(2)));
       }
     }
-    if (group.joints.size() > 1 && group.angle_rad > kParallel) groups.push_back(std::move(group));
+    if (group.angle_rad > kParallel) groups.push_back(std::move(group));
   }
   return groups;
 }
@@ -342,7 +386,7 @@ std::string words(const ConsistentGeometry& g) {
   }
   std::string text = fmt::format("the numbers are taken as exact {}: {} redundant, mobility {}", within, g.redundant,
                                  g.mobility);
-  if (g.redundant != g.redundant_as_written) {
+  if (g.redundant != g.redundant_as_written || !g.as_written.confident) {
     text += fmt::format(" (as written: {} redundant, mobility {}{})", g.redundant_as_written, g.mobility_as_written,
                         g.as_written.confident ? "" : ", in doubt");
   }
