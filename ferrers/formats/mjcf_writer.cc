@@ -15,6 +15,7 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr int kDeepestIndent = 50;
+constexpr double kLeast = 1e-14;  // kg, kg·m²: ten times what MuJoCo takes for nothing
 
 std::string text_of(const Vector3d& v) { return fmt::format("{} {} {}", v.x(), v.y(), v.z()); }
 
@@ -65,10 +66,9 @@ class MjcfWriter {
     for (const Drive& drive : model_.drives()) add_drive(drive);
     tell_of_the_rest();
     return fmt::format(
-        "<mujoco model=\"{}\">\n  <compiler angle=\"radian\" autolimits=\"true\"/>\n  <option "
-        "gravity=\"{}\"/>\n{}{}{}{}"
-        "</mujoco>\n",
-        escaped(model_.name()), text_of(model_.gravity()), bodies(), section("tendon", tendons_),
+        "<mujoco model=\"{}\">\n  <compiler angle=\"radian\" autolimits=\"true\"{}/>\n"
+        "  <option gravity=\"{}\"/>\n{}{}{}{}</mujoco>\n",
+        escaped(model_.name()), bounds(), text_of(model_.gravity()), bodies(), section("tendon", tendons_),
         section("equality", equalities_), section("actuator", actuators_));
   }
 
@@ -128,19 +128,35 @@ class MjcfWriter {
     for (const WrittenJoint& joint : body.joints) out += fmt::format("{}  {}\n", indent, joint_text(joint));
   }
 
-  /// MuJoCo wants positive moments where it is to find their axes itself.
+  /// By principal moments where MuJoCo would not find them itself: some are zero, or rounding breaks A + B >= C.
   static std::string inertial_of(const Body& body) {
     const Matrix3d& I = body.inertia_kgm2;
     const Eigen::SelfAdjointEigenSolver<Matrix3d> principal(I);
+    Vector3d moments = principal.eigenvalues().cwiseMax(0);
     std::string text = fmt::format("<inertial pos=\"{}\" mass=\"{}\" ", text_of(body.com_m), body.mass_kg);
-    if (principal.eigenvalues()[0] > 1e-12 * principal.eigenvalues()[2] && principal.eigenvalues()[2] > 0) {
+    if (moments[0] > 1e-12 * moments[2] && moments[0] + moments[1] > (1 + 1e-12) * moments[2]) {
       return text +
              fmt::format("fullinertia=\"{} {} {} {} {} {}\"/>", I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2));
     }
+    if (moments[2] < (1 + 1e-6) * (moments[0] + moments[1])) moments[2] = std::min(moments[2], moments[0] + moments[1]);
     Matrix3d axes = principal.eigenvectors();
     if (axes.determinant() < 0) axes.col(0) = -axes.col(0);
     return text + fmt::format("quat=\"{}\" diaginertia=\"{}\"/>", text_of(Eigen::Quaterniond(axes).normalized()),
-                              text_of(Vector3d(principal.eigenvalues().cwiseMax(0))));
+                              text_of(moments));
+  }
+
+  /// MuJoCo refuses what moves without mass or inertia, but raises both where its compiler is asked to.
+  std::string bounds() {
+    bool light = false;
+    for (const WrittenBody& body : tree_.bodies) {
+      if (!body.body.valid()) continue;
+      const Body& own = model_.body(body.body);
+      const Eigen::SelfAdjointEigenSolver<Matrix3d> principal(own.inertia_kgm2, Eigen::EigenvaluesOnly);
+      light = light || own.mass_kg < kLeast || principal.eigenvalues()[0] < kLeast;
+    }
+    if (!light) return "";
+    notice(fmt::format("needs a mass and an inertia of all that moves: none is written as less than {}", kLeast));
+    return fmt::format(" boundmass=\"{0}\" boundinertia=\"{0}\"", kLeast);
   }
 
   static std::string joint_text(const WrittenJoint& joint) {
