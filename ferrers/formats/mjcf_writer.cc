@@ -114,7 +114,9 @@ class MjcfWriter {
         continue;
       }
       append_body(tree_.bodies[static_cast<std::size_t>(index)], indent, out);
-      for (const std::string& site : sites_[static_cast<std::size_t>(index)]) out += indent + "  " + site + "\n";
+      for (const std::string& site : sites_[static_cast<std::size_t>(index)]) {
+        out += fmt::format("{}  {}\n", indent, site);
+      }
       stack.emplace_back(-1, depth);
       for (const int child : children[static_cast<std::size_t>(index)]) stack.emplace_back(child, depth + 1);
     }
