@@ -8,7 +8,7 @@ namespace ferrers {
 namespace mjcf {
 namespace {
 
-// What draws, steers MuJoCo's own solvers or sizes its memory.
+// What draws, says how geoms touch, steers MuJoCo's own solvers or sizes its memory.
 constexpr std::string_view kQuiet[] = {"visual",
                                        "statistic",
                                        "size",
@@ -33,6 +33,14 @@ constexpr std::string_view kQuiet[] = {"visual",
                                        "geom@size",
                                        "geom@fluidshape",
                                        "geom@fluidcoef",
+                                       "geom@contype",
+                                       "geom@conaffinity",
+                                       "geom@condim",
+                                       "geom@friction",
+                                       "geom@margin",
+                                       "geom@gap",
+                                       "geom@surfacevel",
+                                       "geom@adhesion",
                                        "site@type",
                                        "site@size",
                                        "site@rgba",

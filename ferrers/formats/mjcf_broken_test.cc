@@ -59,6 +59,9 @@ const Broken kBroken[] = {
     {"an attached model", "<mujoco><worldbody>\n<attach model='x' body='y' prefix='z'/></worldbody></mujoco>",
      "F602:2:2"},
 
+    {"a spring by its time on a mass that is not known",
+     "<mujoco><worldbody><body>\n<joint springdamper='1 1'/><geom type='mesh' mesh='m'/></body></worldbody></mujoco>",
+     "F602:2:2"},
     {"world coordinates", "<mujoco>\n<compiler coordinate='global'/></mujoco>", "F602:2:23"},
     {"copies without a count", "<mujoco><worldbody>\n<replicate count='0'/></worldbody></mujoco>", "F605:2:19"},
     {"a missing file", "<mujoco>\n<include file='x.xml'/></mujoco>", "F606:2:16"},

@@ -153,7 +153,8 @@ TEST(MjcfForcesTest, BallsAndFreeBodiesHaveThemInEveryDirection) {
       <body name="a"><joint name="ball" type="ball" stiffness="3" damping="2" armature="0.4"/><geom size="1"/></body>
       <body name="b"><joint name="free" type="free" stiffness="5" damping="2" armature="0.4"/><geom size="1"/></body>
     </worldbody></mujoco>)");
-  ASSERT_EQ(model.forces().size(), 2U + 3U + 1U);  // bushings of both, a damper per axis of the ball, one of the free body
+  ASSERT_EQ(model.forces().size(),
+            2U + 3U + 1U);  // bushings of both, a damper per axis of the ball, one of the free body
   EXPECT_EQ(model.lagrangian().mass.size(), 9U);
 }
 
@@ -167,6 +168,21 @@ TEST(MjcfForcesTest, PolynomialSpringsAndDampersActAlongTheirCoordinate) {
   const double at[] = {1.5, -2};
   EXPECT_NEAR(ExpressionProgram(forces[0].second, inputs).evaluate(at), -5, 1e-14);
   EXPECT_NEAR(ExpressionProgram(forces[1].second, inputs).evaluate(at), 16 + 40, 1e-14);
+}
+
+TEST(MjcfForcesTest, ATimeConstantAndADampingRatioAreStiffnessAndDampingOfWhatHangsOnTheJoint) {
+  // One mass on a slide: k = m / (T d)^2 and d = 2 m / T. On the slide of a second one it is the harmonic sum,
+  // 1 / (1/m1 + 1/m2), by which the inverse of M has (1/m1 + 1/m2) on its diagonal.
+  const auto read = read_text(R"(<mujoco><worldbody>
+      <body><joint type="slide" springdamper="0.5 2"/><geom size="1" mass="6"/></body>
+      <body><joint type="slide"/><geom size="1" mass="2"/>
+        <body><joint type="slide" springdamper="0.5 2"/><geom size="1" mass="6"/></body></body></worldbody></mujoco>)");
+  const ModelSpec& spec = read.model.spec;
+  ASSERT_EQ(spec.forces.size(), 4U) << messages(read.diagnostics);
+  EXPECT_NEAR(std::get<TorsionSpringSpec>(spec.forces[0].element).stiffness.value, 6, 1e-12);
+  EXPECT_NEAR(std::get<JointDampingSpec>(spec.forces[1].element).damping.value, 24, 1e-12);
+  EXPECT_NEAR(std::get<TorsionSpringSpec>(spec.forces[2].element).stiffness.value, 1.5, 1e-12);
+  EXPECT_NEAR(std::get<JointDampingSpec>(spec.forces[3].element).damping.value, 6, 1e-12);
 }
 
 TEST(MjcfKeyframeTest, TheFirstKeyIsTheInitialStateOfATree) {

@@ -53,9 +53,7 @@ class ForceWriter {
     import_.spec().forces.push_back({{import_.names.add("forces", "force", name), at}, element, at});
   }
 
-  CoordinateRef coordinate(const TreeJoint& joint) const {
-    return {{joint.name, joint.element.main_at()}, ""};
-  }
+  CoordinateRef coordinate(const TreeJoint& joint) const { return {{joint.name, joint.element.main_at()}, ""}; }
 
   void add_generalized_force(const TreeJoint& joint, const Expression& force) {
     import_.spec().lagrangian.forces.emplace_back(coordinate(joint), force);
@@ -86,10 +84,7 @@ class ForceWriter {
       spring.free_angle = Number(joint.springref);
       return add_force(name, joint.element, spring);
     }
-    BushingSpec bushing;  // its moment follows the rotation vector, as MuJoCo's does
-    const SourceRange at = joint.element.main_at();
-    bushing.bodies = {NameRef(joint.bodies[0], at), NameRef(joint.bodies[1], at)};
-    bushing.place.drawn = vector_spec(body.X_WB * joint.pos);
+    BushingSpec bushing = make_bushing(body, joint);  // its moment follows the rotation vector, as MuJoCo's does
     bushing.moment_stiffness = number3(k[0], k[0], k[0]);
     if (joint.kind == JointKind::kFree) bushing.force_stiffness = number3(k[0], k[0], k[0]);
     add_force(name, joint.element, bushing);
@@ -105,14 +100,21 @@ class ForceWriter {
     }
     if (d[0] == 0) return;
     const std::string name = joint.original + "_damping";
-    if (joint.kind != JointKind::kFree)
+    if (joint.kind != JointKind::kFree) {
       return add_force(name, joint.element, JointDampingSpec{coordinate(joint), d[0]});
-    BushingSpec damper;  // at the body's origin, whose velocity a free joint's is
+    }
+    BushingSpec bushing = make_bushing(body, joint);
+    bushing.moment_damping = bushing.force_damping = number3(d[0], d[0], d[0]);
+    add_force(name, joint.element, bushing);
+  }
+
+  /// Between the bodies of a ball or free joint, at its point; without stiffness or damping yet.
+  static BushingSpec make_bushing(const TreeBody& body, const TreeJoint& joint) {
     const SourceRange at = joint.element.main_at();
-    damper.bodies = {NameRef(joint.bodies[0], at), NameRef(joint.bodies[1], at)};
-    damper.place.drawn = vector_spec(body.X_WB.p);
-    damper.moment_damping = damper.force_damping = number3(d[0], d[0], d[0]);
-    add_force(name, joint.element, damper);
+    BushingSpec bushing;
+    bushing.bodies = {NameRef(joint.bodies[0], at), NameRef(joint.bodies[1], at)};
+    bushing.place.drawn = vector_spec(body.X_WB * joint.pos);
+    return bushing;
   }
 
   void add_armature(const TreeJoint& joint) {

@@ -15,6 +15,7 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr int kDeepestIndent = 50;
+constexpr double kLeast = 1e-14;  // kg, kg·m²: ten times what MuJoCo takes for nothing
 
 std::string text_of(const Vector3d& v) { return fmt::format("{} {} {}", v.x(), v.y(), v.z()); }
 
@@ -65,10 +66,9 @@ class MjcfWriter {
     for (const Drive& drive : model_.drives()) add_drive(drive);
     tell_of_the_rest();
     return fmt::format(
-        "<mujoco model=\"{}\">\n  <compiler angle=\"radian\" autolimits=\"true\"/>\n  <option "
-        "gravity=\"{}\"/>\n{}{}{}{}"
-        "</mujoco>\n",
-        escaped(model_.name()), text_of(model_.gravity()), bodies(), section("tendon", tendons_),
+        "<mujoco model=\"{}\">\n  <compiler angle=\"radian\" autolimits=\"true\"{}/>\n"
+        "  <option gravity=\"{}\"/>\n{}{}{}{}</mujoco>\n",
+        escaped(model_.name()), bounds(), text_of(model_.gravity()), bodies(), section("tendon", tendons_),
         section("equality", equalities_), section("actuator", actuators_));
   }
 
@@ -101,7 +101,8 @@ class MjcfWriter {
     for (std::size_t i = tree_.bodies.size(); i-- > 1;) {
       children[static_cast<std::size_t>(tree_.bodies[i].parent)].push_back(static_cast<int>(i));
     }
-    std::string out = "  <worldbody>\n" + sites_[0];
+    std::string out = "  <worldbody>\n";
+    for (const std::string& site : sites_[0]) out += "    " + site + "\n";
     std::vector<std::pair<int, int>> stack;  // body (its end: −1 − body), depth
     for (const int child : children[0]) stack.emplace_back(child, 2);
     while (!stack.empty()) {
@@ -113,7 +114,9 @@ class MjcfWriter {
         continue;
       }
       append_body(tree_.bodies[static_cast<std::size_t>(index)], indent, out);
-      out += sites_[static_cast<std::size_t>(index)];
+      for (const std::string& site : sites_[static_cast<std::size_t>(index)]) {
+        out += fmt::format("{}  {}\n", indent, site);
+      }
       stack.emplace_back(-1, depth);
       for (const int child : children[static_cast<std::size_t>(index)]) stack.emplace_back(child, depth + 1);
     }
@@ -127,19 +130,35 @@ class MjcfWriter {
     for (const WrittenJoint& joint : body.joints) out += fmt::format("{}  {}\n", indent, joint_text(joint));
   }
 
-  /// MuJoCo wants positive moments where it is to find their axes itself.
+  /// By principal moments where MuJoCo would not find them itself: some are zero, or rounding breaks A + B >= C.
   static std::string inertial_of(const Body& body) {
     const Matrix3d& I = body.inertia_kgm2;
     const Eigen::SelfAdjointEigenSolver<Matrix3d> principal(I);
+    Vector3d moments = principal.eigenvalues().cwiseMax(0);
     std::string text = fmt::format("<inertial pos=\"{}\" mass=\"{}\" ", text_of(body.com_m), body.mass_kg);
-    if (principal.eigenvalues()[0] > 1e-12 * principal.eigenvalues()[2] && principal.eigenvalues()[2] > 0) {
+    if (moments[0] > 1e-12 * moments[2] && moments[0] + moments[1] > (1 + 1e-12) * moments[2]) {
       return text +
              fmt::format("fullinertia=\"{} {} {} {} {} {}\"/>", I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2));
     }
+    if (moments[2] < (1 + 1e-6) * (moments[0] + moments[1])) moments[2] = std::min(moments[2], moments[0] + moments[1]);
     Matrix3d axes = principal.eigenvectors();
     if (axes.determinant() < 0) axes.col(0) = -axes.col(0);
     return text + fmt::format("quat=\"{}\" diaginertia=\"{}\"/>", text_of(Eigen::Quaterniond(axes).normalized()),
-                              text_of(Vector3d(principal.eigenvalues().cwiseMax(0))));
+                              text_of(moments));
+  }
+
+  /// MuJoCo refuses what moves without mass or inertia, but raises both where its compiler is asked to.
+  std::string bounds() {
+    bool light = false;
+    for (const WrittenBody& body : tree_.bodies) {
+      if (!body.body.valid()) continue;
+      const Body& own = model_.body(body.body);
+      const Eigen::SelfAdjointEigenSolver<Matrix3d> principal(own.inertia_kgm2, Eigen::EigenvaluesOnly);
+      light = light || own.mass_kg < kLeast || principal.eigenvalues()[0] < kLeast;
+    }
+    if (!light) return "";
+    notice(fmt::format("needs a mass and an inertia of all that moves: none is written as less than {}", kLeast));
+    return fmt::format(" boundmass=\"{0}\" boundinertia=\"{0}\"", kLeast);
   }
 
   static std::string joint_text(const WrittenJoint& joint) {
@@ -166,7 +185,7 @@ class MjcfWriter {
 
   void add_site(BodyId body, const std::string& name, const Pose& X) {
     const auto index = static_cast<std::size_t>(tree_.index.at(body));
-    sites_[index] += fmt::format("    <site name=\"{}\"{}/>\n", name, mjcf::place_of(X));
+    sites_[index].push_back(fmt::format("<site name=\"{}\"{}/>", name, mjcf::place_of(X)));
   }
 
   void add_sites(const Joint& joint, const std::string& name, const Pose& shift) {
@@ -206,6 +225,7 @@ class MjcfWriter {
     std::vector<const WrittenJoint*> joints;
     for (const StateScalar& scalar : coupling.scalars) joints.push_back(scalar_joint(scalar));
     const bool known = std::find(joints.begin(), joints.end(), nullptr) == joints.end();
+    if (known && coupling.relation && add_polynomial(coupling, joints)) return;
     if (coupling.relation || !known || joints.empty()) {
       return warn(fmt::format("cannot say the constraint '{}': it is left out", coupling.name));
     }
@@ -224,6 +244,46 @@ class MjcfWriter {
     tendons_ += "    </fixed>\n";
     equalities_ +=
         fmt::format("    <tendon name=\"{0}\" tendon1=\"{0}\" polycoef=\"{1} 0 0 0 0\"/>\n", coupling.name, -drawn);
+  }
+
+  /// A relation c y − p(x) = 0 of one or two joints, p of the fourth degree at most, by its derivatives as drawn.
+  bool add_polynomial(const Coupling& coupling, const std::vector<const WrittenJoint*>& joints) {
+    const Relation& relation = *coupling.relation;
+    if (joints.size() > 2 || relation.on_velocities || relation.knows_time || relation.system) return false;
+    for (std::size_t y = 0; y < joints.size(); ++y) {
+      const std::optional<double> slope = relation.gradient[y].constant_value();
+      if (!slope || *slope == 0) continue;
+      const std::size_t x = 1 - y;
+      const std::optional<std::array<double, 5>> p =
+          polynomial_of(relation, joints, joints.size() == 2 ? std::optional(x) : std::nullopt);
+      if (!p) continue;
+      std::string other = joints.size() == 2 ? fmt::format(" joint2=\"{}\"", joints[x]->name) : "";
+      equalities_ += fmt::format("    <joint name=\"{}\" joint1=\"{}\"{} polycoef=\"{} {} {} {} {}\"/>\n",
+                                 coupling.name, joints[y]->name, other, -(*p)[0] / *slope, -(*p)[1] / *slope,
+                                 -(*p)[2] / *slope, -(*p)[3] / *slope, -(*p)[4] / *slope);
+      return true;
+    }
+    return false;
+  }
+
+  /// Taylor's coefficients of the residual along joint `x`, about the drawing; nothing where there are more than five.
+  static std::optional<std::array<double, 5>> polynomial_of(const Relation& relation,
+                                                            const std::vector<const WrittenJoint*>& joints,
+                                                            std::optional<std::size_t> x) {
+    std::vector<double> drawn;
+    for (const WrittenJoint* joint : joints) drawn.push_back(joint->ref);
+    std::array<double, 5> p = {0, 0, 0, 0, 0};
+    Expression derivative = relation.residual;
+    double factorial = 1;
+    for (std::size_t k = 0; k < p.size(); ++k) {
+      p[k] = ExpressionProgram(derivative, relation.values).evaluate(drawn.data()) / factorial;
+      if (!std::isfinite(p[k])) return std::nullopt;
+      if (!x) return p;
+      derivative = derivative.derivative(relation.values[*x]).simplified();
+      factorial *= static_cast<double>(k + 1);
+    }
+    if (derivative.constant_value() != 0.0) return std::nullopt;
+    return p;
   }
 
   void add_drive(const Drive& drive) {
@@ -333,7 +393,7 @@ class MjcfWriter {
   const ModelSpec& spec_;
   Diagnostics& diagnostics_;
   WrittenTree tree_;
-  std::vector<std::string> sites_;  ///< Per written body.
+  std::vector<std::vector<std::string>> sites_;  ///< Per written body.
   std::string tendons_, equalities_, actuators_;
 };
 

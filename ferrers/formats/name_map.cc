@@ -27,10 +27,15 @@ std::string allowed(std::string_view original, std::string_view kind) {
 }  // namespace
 
 std::string NameMap::add(std::string_view space, std::string_view kind, std::string_view original) {
-  std::set<std::string>& taken = taken_[std::string(space)];
+  Space& own = spaces_[std::string(space)];
   const std::string wanted = allowed(original, kind);
   std::string name = wanted;
-  for (int i = 2; !taken.insert(name).second; ++i) name = wanted + "_" + std::to_string(i);
+  if (!own.taken.insert(name).second) {
+    int& number = own.numbers.try_emplace(wanted, 2).first->second;  // those below are taken
+    do {
+      name = wanted + "_" + std::to_string(number++);
+    } while (!own.taken.insert(name).second);
+  }
   if (name != original) renamed_.push_back({std::string(kind), std::string(original), name});
   return name;
 }

@@ -23,7 +23,11 @@ class NameMap {
   const std::vector<RenamedThing>& renamed() const { return renamed_; }
 
  private:
-  std::map<std::string, std::set<std::string>, std::less<>> taken_;
+  struct Space {
+    std::set<std::string> taken;
+    std::map<std::string, int> numbers;  ///< The next number to try behind a name that is taken.
+  };
+  std::map<std::string, Space> spaces_;
   std::vector<RenamedThing> renamed_;
 };
 

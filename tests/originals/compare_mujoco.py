@@ -223,8 +223,9 @@ def compare(path, probe, states, seed):
     for number, ((q, v), ours) in enumerate(zip(given, told["states"])):
         data.qpos[:], data.qvel[:] = q, v
         mujoco.mj_forward(model, data)
+        extent = max(1e-6, np.max(np.abs(data.xpos), initial=0), np.max(np.abs(data.xipos), initial=0))
         for i, name in enumerate(names.bodies[1:], 1):
-            out.add("position", ours["bodies"][name]["position"], data.xpos[i])
+            out.add("position", ours["bodies"][name]["position"], data.xpos[i], extent)
             out.add("rotation", ours["bodies"][name]["rotation"], data.xmat[i].reshape(3, 3))
         if not known:  # by meshes, which Ferrers does not load
             continue
@@ -238,7 +239,7 @@ def compare(path, probe, states, seed):
         G = np.array(ours["G"]).reshape(-1, model.nv) @ T if len(ours["G"]) else np.zeros((0, model.nv))
         if number == 0:  # off the constraints a row's gradient is a matter of taste
             out.greatest["G"] = max(out.greatest.get("G", 0), same_space(G, J))
-            out.add("phi", ours["phi"], np.zeros(len(ours["phi"])))
+            out.add("phi", ours["phi"], np.zeros(len(ours["phi"])), extent)
     return out.greatest
 
 
