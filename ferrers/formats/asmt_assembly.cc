@@ -58,7 +58,7 @@ void PartReader::read_markers(const AsmtRecord& owner, int part, const Pose& X_W
       if (!X_RM) continue;
       const auto [name, at] = asmt_text(import_, record, "Name");
       const Pose X_PM = *X_PR * *X_RM;
-      import_.markers[path + "/" + name].push_back({part, part < 0 ? X_WP * X_PM : X_PM, at});
+      import_.markers[fmt::format("{}/{}", path, name)].push_back({part, part < 0 ? X_WP * X_PM : X_PM, at});
     }
   }
   skip_empty(owner, {"RefCurves", "RefSurfaces"});

@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "ferrers/formats/asmt.h"
+#include "ferrers/kinematics/system.h"
+#include "ferrers/redundancy/mechanism_analysis.h"
 #include "ferrers/testing/asmt_text.h"
 #include "ferrers/testing/build_checks.h"
 
@@ -140,6 +142,46 @@ TEST(AsmtJointsTest, EquationsOfDirectionsHoldWhereTheFileSaysTheyDo) {
       worst = std::max(worst, std::abs(value_of(constraint, spec, {{"body", one.fails}})));
     }
     EXPECT_GT(worst, 1e-3) << one.kind;
+  }
+}
+
+TEST(AsmtJointsTest, EveryClassTakesAsManyFreedomsAsItHasEquations) {
+  const Eigen::Vector3d x = Eigen::Vector3d::UnitX(), z = Eigen::Vector3d::UnitZ();
+  const Pose across = turned(std::numbers::pi / 2, x), off = turned(0.3, z, {30, 40, 0});
+  struct Case {
+    std::string kind;
+    witness::AsmtEntries more;
+    Pose stored;
+    int freedoms;
+  };
+  const std::vector<Case> all = {
+      {"FixedJoint", {}, Pose(), 0},
+      {"RevoluteJoint", {}, turned(0.3, z), 1},
+      {"CylindricalJoint", {}, turned(0.3, z, {0, 0, 5}), 2},
+      {"TranslationalJoint", {}, turned(0, z, {0, 0, 5}), 1},
+      {"SphericalJoint", {}, turned(0.3, x), 3},
+      {"UniversalJoint", {}, across, 2},
+      {"ConstantVelocityJoint", {}, turned(0.3, x), 2},
+      {"PlanarJoint", {{"offset", "5"}}, turned(0.3, z, {1, 2, 5}), 3},
+      {"PointInLineJoint", {}, turned(0.3, x, {0, 0, 5}), 4},
+      {"PointInPlaneJoint", {{"offset", "5"}}, turned(0.3, x, {1, 2, 5}), 5},
+      {"LineInPlaneJoint", {{"offset", "0"}}, across, 4},
+      {"SphSphJoint", {{"distanceIJ", "50"}}, off, 5},
+      {"CylSphJoint", {{"distanceIJ", "50"}}, off, 5},
+      {"RevCylJoint", {{"distanceIJ", "50"}}, off, 3},
+      {"RevRevJoint", {{"distanceIJ", "50"}}, off, 2},
+      {"ParallelAxesJoint", {}, off, 4},
+      {"PerpendicularJoint", {}, across, 5},
+      {"AngleJoint", {{"theIzJz", "0.3"}}, turned(0.3, x), 5},
+      {"NoRotationJoint", {}, turned(0, x, {1, 2, 3}), 3},
+  };
+  for (const Case& one : all) {
+    const Read result = read(joined(one.kind, one.stored, one.more));
+    ASSERT_FALSE(result.diagnostics.has_errors()) << one.kind << witness::messages(result.diagnostics);
+    const MechanismAnalysis analysis = analyze_mechanism(*make_system(witness::built(result.model.spec)));
+    ASSERT_TRUE(analysis.redundancy) << one.kind;
+    EXPECT_EQ(analysis.redundancy->mobility, one.freedoms) << one.kind;
+    EXPECT_EQ(analysis.redundancy->redundant, 0) << one.kind;
   }
 }
 
