@@ -74,7 +74,7 @@ TEST(JointRecognitionTest, AxesThatDoNotMeetInOnePointAreNotOneJoint) {
   ModelSpec spec = ball();
   spec.joints[2] = pin("jz", "b", "arm", Vector3d::UnitZ(), Vector3d(0, 0.01, 1));  // meets y, elsewhere
   EXPECT_EQ(find_revolute_rows(spec).at(0).type, JointType::kUniversal);
-  spec.joints[1] = pin("jy", "a", "b", Vector3d::UnitY(), Vector3d(0, 0, 1.01));
+  spec.joints[1] = pin("jy", "a", "b", Vector3d::UnitY(), Vector3d(0.01, 0, 1.01));
   EXPECT_THAT(find_revolute_rows(spec), IsEmpty());
 }
 
