@@ -149,7 +149,7 @@ initial: {main: {position: 0.3}}
   write_urdf(*native.model, {}, told);
   for (const char* what :
        {"the screw joint 'nut' is left out", "the force element 's' is left out", "gravity is left out",
-        "1 initial values are left out", "the laws of the drive 'motor' are left out"}) {
+        "initial values left out: 1", "the laws of the drive 'motor' are left out"}) {
     EXPECT_THAT(messages(told), HasSubstr(what));
   }
 }
