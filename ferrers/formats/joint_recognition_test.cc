@@ -76,6 +76,8 @@ TEST(JointRecognitionTest, AxesThatDoNotMeetInOnePointAreNotOneJoint) {
   EXPECT_EQ(find_revolute_rows(spec).at(0).type, JointType::kUniversal);
   spec.joints[1] = pin("jy", "a", "b", Vector3d::UnitY(), Vector3d(0, 0, 1.01));
   EXPECT_THAT(find_revolute_rows(spec).at(0).joints, ElementsAre("jy", "jz"));  // which meet all the same
+  spec.joints[1] = pin("jy", "a", "b", Vector3d::UnitY(), Vector3d(0.01, 0, 1.01));
+  EXPECT_THAT(find_revolute_rows(spec), IsEmpty());
 }
 
 TEST(JointRecognitionTest, AxesThatAreNotPerpendicularAreNotOneJoint) {

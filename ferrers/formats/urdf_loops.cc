@@ -1,8 +1,5 @@
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
-
 #include "ferrers/formats/urdf_import.h"
 #include "ferrers/formats/urdf_values.h"
 #include "ferrers/model/pose_spec.h"
@@ -87,11 +84,10 @@ void add_coupling(UrdfImport& import, const XmlElement& element) {
   CouplingSpec coupling;
   coupling.at = element.at();
   coupling.name = {import.names.add("joints", "coupling", *name), element.attribute_at("name")};
-  const std::vector<int> first = way_to_root(import.tree, ends->first), second = way_to_root(import.tree, ends->second);
-  const auto add_way = [&](const std::vector<int>& way, const std::vector<int>& other, const XmlElement& end,
-                           double c) {
+  std::vector<int> first = way_to_root(import.tree, ends->first), second = way_to_root(import.tree, ends->second);
+  while (!first.empty() && !second.empty() && first.back() == second.back()) first.pop_back(), second.pop_back();
+  const auto add_way = [&](const std::vector<int>& way, const XmlElement& end, double c) {
     for (const int link : way) {
-      if (std::find(other.begin(), other.end(), link) != other.end()) return true;
       const UrdfJoint& joint = import.joint(import.link(link).parent_joint);
       if (joint.type == "fixed") continue;
       if (!joint.has_one_coordinate()) {
@@ -107,8 +103,8 @@ void add_coupling(UrdfImport& import, const XmlElement& element) {
     }
     return true;
   };
-  if (!add_way(first, second, ends->predecessor, ratio->value)) return;
-  if (!add_way(second, first, ends->successor, -1)) return;
+  if (!add_way(first, ends->predecessor, ratio->value)) return;
+  if (!add_way(second, ends->successor, -1)) return;
   if (coupling.coordinates.empty()) {
     diagnostics.error("F605", element.at(),
                       fmt::format("the coupling '{}' couples links that do not move against each other", *name));

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "ferrers/formats/urdf_import.h"
@@ -71,7 +72,11 @@ void add_rotors(UrdfImport& import, const RotorSum& rotors) {
   std::vector<Expression> terms;
   for (const auto& [joint, inertia] : rotors.inertia_of_joint) {
     const double half = 0.5 * inertia;
-    if (!std::isfinite(half)) continue;
+    if (!std::isfinite(half)) {
+      import.diagnostics().error("F206", rotors.at,
+                                 "the inertia of a rotor by the square of its gear ratio is not finite");
+      return;
+    }
     const Expression rate = Expression::variable(import.joint(joint).joint + ".velocity");
     terms.push_back(Expression::constant(half) * rate * rate);
   }

@@ -359,14 +359,14 @@ class UrdfWriter {
   }
 
   void tell_what_is_left_out() {
-    const auto count = [&](std::size_t n, std::string_view what) {
-      if (n > 0) told("{} {} left out", n, what);
+    const auto count = [&](std::string_view what, std::size_t n) {
+      if (n > 0) told("{} left out: {}", what, n);
     };
     if (model_.gravity() != Vector3d(0, 0, -9.81)) lost("gravity is left out; readers take their own");
-    count(model_.initial().size(), "initial values are");
-    count(model_.records().size() + model_.recorded_formulas().size(), "records are");
-    count(model_.events().size(), "events are");
-    count(model_.parameters().size(), "parameters are numbers now and");
+    count("initial values", model_.initial().size());
+    count("records", model_.records().size() + model_.recorded_formulas().size());
+    count("events", model_.events().size());
+    count("parameters, whose values stand in their places,", model_.parameters().size());
     if (model_.spec().lagrangian.given()) lost("energies and coordinates of 'lagrangian' are left out");
   }
 

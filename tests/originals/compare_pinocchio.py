@@ -24,7 +24,8 @@ STATES = 3
 def ferrers_name(name):
     """As the reader renames what the native format does not allow."""
     name = re.sub(r"[^A-Za-z0-9_]", "_", name)
-    return "_" + name if name[:1].isdigit() else name
+    name = "_" + name if name[:1].isdigit() else name
+    return name + "_" if name in ("ground", "t", "energy") else name
 
 
 def one_coordinate(model, joint):

@@ -52,7 +52,7 @@ void take(const System& system, const Json& joints, bool velocities, VectorXd& o
     const Node& node = system.nodes.at(static_cast<std::size_t>(index));
     const int first = velocities ? node.v : node.q, count = velocities ? node.nv : node.nq;
     if (static_cast<int>(numbers.size()) != count) throw std::invalid_argument("wrong count for '" + name + "'");
-    for (int i = 0; i < count; ++i) out[first + i] = (node.forward ? 1 : -1) * numbers[i].get<double>();
+    for (int i = 0; i < count; ++i) out[first + i] = numbers[i].get<double>();
   }
 }
 
