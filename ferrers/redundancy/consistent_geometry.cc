@@ -19,12 +19,14 @@ namespace ferrers {
 namespace {
 
 constexpr int kPoses = 8, kProofPoses = 3, kMostRounds = 4, kMostIterations = 15;
-constexpr double kStep = 0.08;       // between poses, two of them; in characteristic lengths and rad
-constexpr double kOpen = 300;        // a misclosure of so many tolerances is none that the tolerance explains
-constexpr double kParallel = 1e-10;  // rad: what rounding leaves of parallel axes
+constexpr double kStep = 0.08;          // between poses, two of them; in characteristic lengths and rad
+constexpr double kOpen = 300;           // a misclosure of so many tolerances is none that the tolerance explains
+constexpr double kParallel = 1e-10;     // rad: what rounding leaves of parallel axes
 constexpr double kNearlyParallel = 10;  // tolerances
-constexpr double kTurnWeight = 100;  // a seat is rather moved than turned, or axes made parallel would not stay so
-constexpr double kNoMove = 1e-14;    // relative; rad
+constexpr double kTurnWeight = 100;     // a seat is rather moved than turned, or axes made parallel would not stay so
+constexpr double kRounding = 1e-15;     // relative: the loops are as closed as they can be
+constexpr double kBlurredConditions = 1e-8;  // relative: a condition this weak belongs to a neighbouring geometry
+constexpr double kNoMove = 1e-14;            // relative; rad
 
 bool has_free_seats(const Joint& joint) {
   const PlacementRule rule = joint_type_info(joint.type).placement;
@@ -80,8 +82,7 @@ class Seats {
       const std::array<Pose, 2> before = {joint.X_1F, joint.X_2M};
       for (std::size_t side = 0; side < 2; ++side) {
         one.distance_m = std::max(one.distance_m, (frames_[j][side].p - before[side].p).norm());
-        one.angle_rad =
-            std::max(one.angle_rad, rotation_log(before[side].R.transpose() * frames_[j][side].R).norm());
+        one.angle_rad = std::max(one.angle_rad, rotation_log(before[side].R.transpose() * frames_[j][side].R).norm());
       }
       if (one.distance_m > kNoMove * length || one.angle_rad > kNoMove) all.push_back(one);
     }
@@ -214,7 +215,7 @@ VectorXd least_displacements(const std::vector<VectorXd>& rows, const std::vecto
   const VectorXd b = Eigen::Map<const VectorXd>(right.data(), static_cast<long>(right.size()));
   const Eigen::BDCSVD<MatrixXd> svd(A, Eigen::ComputeThinU | Eigen::ComputeThinV);
   const VectorXd& sigma = svd.singularValues();
-  const double blur = sigma[0] * std::max(1e-13, 10 * b.cwiseAbs().maxCoeff() / length);
+  const double blur = sigma[0] * std::max(kBlurredConditions, 10 * b.cwiseAbs().maxCoeff() / length);
   const VectorXd share = sigma.array() / (sigma.array().square() + blur * blur);
   VectorXd x = svd.matrixV() * share.cwiseProduct(svd.matrixU().transpose() * b);
   for (long at = 3; at < x.size(); at += 6) x.segment<3>(at) /= kTurnWeight;
@@ -312,8 +313,10 @@ class Search {
         worst = std::max(worst, walk.residual());
         add_conditions(seats_.system(), pose, walk, A, b);
       }
-      if (worst < 0.1 * closed_tolerance(seats_.system().scaling)) return true;
-      if (A.empty() || (i > 5 && worst > best)) return worst < closed_tolerance(seats_.system().scaling);
+      const double closed = closed_tolerance(seats_.system().scaling);
+      if (worst < kRounding * length_) return true;
+      if (worst < closed && worst > 0.5 * best) return worst < 0.1 * closed;  // rounding allows no more
+      if (A.empty() || (i > 5 && worst > best)) return worst < closed;
       best = std::min(best, worst);
       if (!seats_.move(least_displacements(A, b, length_), length_)) return false;
     }
@@ -355,8 +358,8 @@ std::vector<ParallelAxes> find_parallel_axes(const System& before, const System&
     for (const std::size_t a : members) {
       group.joints.push_back(joints[a].name);
       for (const std::size_t b : members) {
-        group.angle_rad = std::max(
-            group.angle_rad, angle_between_lines(was[a].motion.R_F.col(2), was[b].motion.R_F.col(2)));
+        group.angle_rad =
+            std::max(group.angle_rad, angle_between_lines(was[a].motion.R_F.col(2), was[b].motion.R_F.col(2)));
       }
     }
     if (group.angle_rad > kParallel) groups.push_back(std::move(group));
@@ -370,22 +373,25 @@ std::string words(const ConsistentGeometry& g) {
     case GeometryVerdict::kExact:
       return "";
     case GeometryVerdict::kTooLarge:
-      return fmt::format("the mechanism has too many loops to look for a consistent geometry {}: its numbers are taken "
-                         "at their word",
-                         within);
+      return fmt::format(
+          "the mechanism has too many loops to look for a consistent geometry {}: its numbers are taken "
+          "at their word",
+          within);
     case GeometryVerdict::kOpen:
-      return fmt::format("the loops stay open by {}, more than the geometric tolerance of {:.2g} explains: the numbers "
-                         "are taken at their word",
-                         length_text(g.misclosure_m), g.tolerance);
+      return fmt::format(
+          "the loops stay open by {}, more than the geometric tolerance of {:.2g} explains: the numbers "
+          "are taken at their word",
+          length_text(g.misclosure_m), g.tolerance);
     case GeometryVerdict::kNotFound:
-      return fmt::format("no geometry was found {} that moves as this one nearly does: its numbers are taken at their "
-                         "word",
-                         within);
+      return fmt::format(
+          "no geometry was found {} that moves as this one nearly does: its numbers are taken at their "
+          "word",
+          within);
     case GeometryVerdict::kFound:
       break;
   }
-  std::string text = fmt::format("the numbers are taken as exact {}: {} redundant, mobility {}", within, g.redundant,
-                                 g.mobility);
+  std::string text =
+      fmt::format("the numbers are taken as exact {}: {} redundant, mobility {}", within, g.redundant, g.mobility);
   if (g.redundant != g.redundant_as_written || !g.as_written.confident) {
     text += fmt::format(" (as written: {} redundant, mobility {}{})", g.redundant_as_written, g.mobility_as_written,
                         g.as_written.confident ? "" : ", in doubt");
