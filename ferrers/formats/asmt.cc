@@ -12,6 +12,7 @@
 #include "ferrers/formats/asmt_document.h"
 #include "ferrers/formats/asmt_joints.h"
 #include "ferrers/formats/asmt_motions.h"
+#include "ferrers/formats/body_groups.h"
 
 namespace ferrers {
 namespace {
@@ -118,6 +119,25 @@ void tell_results(const std::vector<AsmtRecord>& top, Diagnostics& diagnostics) 
                      fmt::format("results of an earlier run, {} lines from here on, are not read", top.size() - 2));
 }
 
+/// A part is free by itself: one that no joint holds is given the joint that says so.
+void free_loose_parts(AsmtImport& import) {
+  BodyGroups groups;
+  const std::string ground = "ground";
+  for (const JointSpec& joint : import.spec.joints) groups.join(joint.bodies[0].name, joint.bodies[1].name);
+  for (const BodySpec& body : import.spec.bodies) {
+    if (groups.are_joined(body.name.name, ground)) continue;
+    groups.join(body.name.name, ground);
+    JointSpec joint;
+    joint.name = NameRef(import.names.add("joints", "joint", "float_" + body.name.name), body.name.at);
+    joint.type = JointType::kFree;
+    joint.bodies = {NameRef(ground, body.name.at), body.name};
+    import.spec.joints.push_back(std::move(joint));
+    import.diagnostics.notice(
+        "F603", body.name.at,
+        fmt::format("no joint holds '{}' to the assembly: it floats, with all that hangs on it", body.name.name));
+  }
+}
+
 void read_assembly(const AsmtRecord& assembly, AsmtImport& import) {
   import.shared_prefix = shared_prefix(assembly);
   if (import.context.options.base != ImportBase::kAsInFile) {
@@ -136,6 +156,7 @@ void read_assembly(const AsmtRecord& assembly, AsmtImport& import) {
     read_asmt_limits(sets, joints, import);
     refuse(sets, "GeneralConstraintSets", "constraints", import.diagnostics);
   }
+  free_loose_parts(import);
   refuse(assembly, "ForceTorques", "forces", import.diagnostics);
   read_gravity(assembly, import);
   tell_simulation(assembly, import);

@@ -74,6 +74,20 @@ TEST(AsmtTest, PlaceholdersOfFreeCadAreWarnedAbout) {
   EXPECT_THAT(witness::messages(result.diagnostics), HasSubstr("1 of 2 parts have mass 1 kg"));
 }
 
+TEST(AsmtTest, APartThatNoJointHoldsFloats) {
+  AsmtText file;
+  file.part("a", Pose());
+  file.part("b", Pose());
+  file.part_marker("a", "I");
+  file.part_marker("b", "J");
+  file.joint("RevoluteJoint", "k", "a/I", "b/J");
+  const Read result = read(file.text());
+  ASSERT_EQ(result.model.spec.joints.size(), 2U) << witness::messages(result.diagnostics);
+  EXPECT_EQ(result.model.spec.joints[1].type, JointType::kFree);
+  EXPECT_EQ(result.model.spec.joints[1].bodies[1].name, "a");
+  EXPECT_THAT(witness::messages(result.diagnostics), HasSubstr("no joint holds 'a'"));
+}
+
 TEST(AsmtTest, APartOfMassZeroHasMassZero) {
   AsmtText file;
   file.part("ghost", {}, 0, "0\t0\t0");

@@ -3,45 +3,20 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
 #include <string>
 
+#include "ferrers/formats/body_groups.h"
+
 namespace ferrers {
-namespace {
-
-/// Which bodies hang together: each points to another of its group, the last to itself.
-class Groups {
- public:
-  const std::string& root(const std::string& body) {
-    const std::string* at = &body;
-    while (true) {
-      const auto [next, is_new] = next_.try_emplace(*at, *at);
-      if (next->second == *at) return next->first;
-      const auto after = next_.find(next->second);
-      if (after != next_.end()) next->second = after->second;  // so that ways stay short
-      at = &next->second;
-    }
-  }
-  void join(const std::string& a, const std::string& b) {
-    const std::string to = root(b);
-    next_[root(a)] = to;
-  }
-
- private:
-  std::map<std::string, std::string> next_;
-};
-
-}  // namespace
-
 void add_sdf_bases(SdfTree& tree, const SdfBodies& bodies, const std::vector<SdfMadeJoint>& made,
                    const ImportOptions& options, NameMap& names, ModelSpec& spec) {
-  Groups groups;
+  BodyGroups groups;
   const std::string ground(kGround);
   for (const SdfMadeJoint& joint : made) {
     if (!joint.name.empty()) groups.join(joint.bodies[0], joint.bodies[1]);
   }
   const auto tie = [&](const std::string& body, const SdfElement& element, bool is_base) {
-    if (body.empty() || groups.root(body) == groups.root(ground)) return;
+    if (body.empty() || groups.are_joined(body, ground)) return;
     const bool fixed = is_base && options.base == ImportBase::kFixed;
     groups.join(body, ground);
     JointSpec joint;

@@ -287,7 +287,7 @@ TEST(UrdfTest, ClosuresJoinPointsOrFrames) {
   const ModelFile frames = read_closed(two_arms(), "closed_loop: [[tip_A, tip_B]]\ntype: [6d]\n");
   EXPECT_EQ(joint_of(frames, "tip").type, JointType::kWeld);
   EXPECT_EQ(analysis(frames).redundancy->closure_rows, 5);  // of a hinge: the weld is in the tree
-  EXPECT_EQ(analysis(frames).redundancy->redundant, 3);  // all of it is planar: 6 closing rows hold 3 ways to move
+  EXPECT_EQ(analysis(frames).redundancy->redundant, 3);     // all of it is planar: 6 closing rows hold 3 ways to move
 }
 
 TEST(UrdfTest, ClosuresReplaceJoints) {

@@ -63,7 +63,8 @@ void XmlDocument::Contents::add_attributes(const pugi::xml_node& xml_node, Node&
     attribute.offset = *one.value() != '\0' ? offset(one.value()) : offset(one.name());
     const char quote = attribute.offset > 0 ? original[attribute.offset - 1] : '"';
     const std::size_t end = original.find(quote == '\'' ? '\'' : '"', attribute.offset);
-    attribute.length = *one.value() != '\0' && end != std::string::npos ? end - attribute.offset : attribute.name.size();
+    attribute.length =
+        *one.value() != '\0' && end != std::string::npos ? end - attribute.offset : attribute.name.size();
     const bool twice = std::any_of(node.attributes.begin(), node.attributes.end(),
                                    [&](const Attribute& other) { return other.name == attribute.name; });
     if (twice) {
@@ -121,8 +122,8 @@ std::unique_ptr<const XmlDocument> XmlDocument::parse(std::string_view text, Dia
   contents.parsed = text;
   contents.source = std::make_unique<SourceText>(contents.original);
   if (!check_characters(*contents.source, diagnostics)) return nullptr;
-  const pugi::xml_parse_result parsed = contents.xml.load_buffer_inplace(
-      contents.parsed.data(), contents.parsed.size(), pugi::parse_default, pugi::encoding_utf8);
+  const pugi::xml_parse_result parsed = contents.xml.load_buffer_inplace(contents.parsed.data(), contents.parsed.size(),
+                                                                         pugi::parse_default, pugi::encoding_utf8);
   const auto place = [&](std::size_t offset) { return contents.source->range(offset, 1); };
   if (!parsed) {
     diagnostics.error("F107", place(static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, parsed.offset))),

@@ -31,11 +31,11 @@ class XmlElement {
   SourceRange attribute_at(std::string_view name) const;  ///< Of the value; of the element where it has no such.
   std::vector<std::string_view> attribute_names() const;  ///< Does not count as reading.
 
-  XmlElement parent() const;  ///< Does not exist for the root.
+  XmlElement parent() const;                                      ///< Does not exist for the root.
   XmlElement child(std::string_view name) const;                  ///< The first of that name.
   std::vector<XmlElement> children(std::string_view name) const;  ///< All of that name.
   std::vector<XmlElement> children() const;                       ///< All, which counts as reading none of them.
-  void mark_read() const;             ///< This element; its attributes and children stay as they are.
+  void mark_read() const;           ///< This element; its attributes and children stay as they are.
   void mark_read_with_all() const;  ///< This element and everything in it.
 
   std::string_view text() const;  ///< Without white space around it.
