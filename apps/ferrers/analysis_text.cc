@@ -67,13 +67,14 @@ std::string geometry_text(const ConsistentGeometry& geometry, const Style& style
   for (const ParallelAxes& group : geometry.parallel) {
     if (shown++ == kMostListed) break;
     const std::size_t named = std::min(group.joints.size(), kMostListed);
-    const std::string joints = fmt::format(
-        "{}", fmt::join(group.joints.begin(), group.joints.begin() + static_cast<long>(named), ", "));
-    text += wrapped_text("", fmt::format("The axes of {}{} are parallel to {}; treated as parallel.", joints,
-                                         named < group.joints.size()
-                                             ? fmt::format(" and {} more", group.joints.size() - named)
-                                             : "",
-                                         angle_text(group.angle_rad)), "");
+    const std::string joints =
+        fmt::format("{}", fmt::join(group.joints.begin(), group.joints.begin() + static_cast<long>(named), ", "));
+    text += wrapped_text(
+        "",
+        fmt::format("The axes of {}{} are parallel to {}; treated as parallel.", joints,
+                    named < group.joints.size() ? fmt::format(" and {} more", group.joints.size() - named) : "",
+                    angle_text(group.angle_rad)),
+        "");
   }
   return text;
 }

@@ -83,8 +83,7 @@ int analyze(const AnalyzeOptions& options) {
   if (options.json) {
     print_json(loaded, &analysis);
   } else {
-    print(stdout, analysis_text(*loaded.model, analysis, loaded.geometry ? &*loaded.geometry : nullptr,
-                                Style(stdout)));
+    print(stdout, analysis_text(*loaded.model, analysis, loaded.geometry ? &*loaded.geometry : nullptr, Style(stdout)));
   }
   return analysis.rate_conflict ? kExitNotAssembled : kExitDone;
 }

@@ -43,10 +43,14 @@ void print_json(const ConvertOptions& options, const LoadedModel& loaded, ModelF
   for (const Diagnostic& one : loaded.diagnostics.items()) {
     told.push_back({{"code", one.code}, {"line", one.at.line}, {"column", one.at.column}, {"message", one.message}});
   }
-  const nlohmann::ordered_json object = {{"schema", "ferrers.convert/1"}, {"ok", loaded.model != nullptr},
-                                         {"file", options.file},          {"from", format_name(loaded.format)},
-                                         {"to", format_name(format)},     {"written", files},
-                                         {"renamed", renamed},            {"diagnostics", told}};
+  const nlohmann::ordered_json object = {{"schema", "ferrers.convert/1"},
+                                         {"ok", loaded.model != nullptr},
+                                         {"file", options.file},
+                                         {"from", format_name(loaded.format)},
+                                         {"to", format_name(format)},
+                                         {"written", files},
+                                         {"renamed", renamed},
+                                         {"diagnostics", told}};
   print(stdout, object.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
 }
 
@@ -65,7 +69,8 @@ void tell_moves(const LoadedModel& loaded) {
 
 int convert(const ConvertOptions& options) {
   const ModelFormat format = target(options);
-  if (options.json && options.output.empty()) return command_line_error("'--json' needs '-o FILE' to write the model to");
+  if (options.json && options.output.empty())
+    return command_line_error("'--json' needs '-o FILE' to write the model to");
   LoadedModel loaded = load_model_as_written(options);
   if (!loaded.model) {
     if (options.json) print_json(options, loaded, format, {});
@@ -93,7 +98,8 @@ int convert(const ConvertOptions& options) {
     }
   }
   for (const WrittenFile& file : files) {
-    if (const std::string error = write_file_whole(file.name, file.text); !error.empty()) return command_line_error(error);
+    if (const std::string error = write_file_whole(file.name, file.text); !error.empty())
+      return command_line_error(error);
     written.push_back(file.name);
   }
   if (options.json) {

@@ -24,8 +24,8 @@ namespace {
 
 // One line per verb.
 constexpr void (*kVerbs[])(CLI::App&, Job&) = {
-    add_analyze,   add_inverse,   add_simulate, add_sweep, add_kinematics, add_equilibrium,
-    add_linearize, add_equations, add_convert,  add_schema, add_new,     add_doctor,
+    add_analyze,   add_inverse,   add_simulate, add_sweep,  add_kinematics, add_equilibrium,
+    add_linearize, add_equations, add_convert,  add_schema, add_new,        add_doctor,
 };
 
 void describe(CLI::App& command) {

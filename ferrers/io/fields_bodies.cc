@@ -124,13 +124,21 @@ ObjectFamily inertia_family() {
 }
 
 ObjectFamily pose_family() {
-  ObjectFamily family{Family::kPose, "pose", "a pose", {}, false, {}, "A frame: of a body in the world as drawn, or of a joint on its body.", {}};
+  ObjectFamily family{Family::kPose,
+                      "pose",
+                      "a pose",
+                      {},
+                      false,
+                      {},
+                      "A frame: of a body in the world as drawn, or of a joint on its body.",
+                      {}};
   family.types.push_back(
       {{},
        "a pose",
        {},
        {field("position", K::kVector3, kOfLength, "Its origin", "[0, 0, 0]"),
-        object_field("rotation", K::kObject, Family::kRotation, "Its axes against those of the world, or of the body", "none"),
+        object_field("rotation", K::kObject, Family::kRotation, "Its axes against those of the world, or of the body",
+                     "none"),
         field("quaternion", K::kVector4, kOfPureNumber, "The same as a quaternion, instead of `rotation`", "none")}});
   return family;
 }

@@ -247,13 +247,14 @@ std::vector<ObjectFamily> make_joint_families() {
              "Displacement of the second body's seat from its drawn place, in the joint's frame.",
              {field("translation", K::kVector3, kOfLength, "Along x, y, z", "[0, 0, 0]"),
               field("rotation", K::kVector3, kOfAngle, "About x, y, z (a small rotation vector)", "[0, 0, 0]")}),
-      single(Family::kJointFrames, "joint_frames", "a joint's frames",
-             "Where the joint sits on its two bodies, each in that body's own frame (its `pose`; of ground and of a body "
-             "without a pose: the world). z is the axis or normal; the first axis of a universal joint is z of the first "
-             "frame, its second axis x of the second. Coordinates are zero where the two frames coincide. A loop of "
-             "such joints need not close as drawn: it is assembled.",
-             {required(object_field("first", K::kObject, Family::kPose, "On the first body")),
-              required(object_field("second", K::kObject, Family::kPose, "On the second body"))}),
+      single(
+          Family::kJointFrames, "joint_frames", "a joint's frames",
+          "Where the joint sits on its two bodies, each in that body's own frame (its `pose`; of ground and of a body "
+          "without a pose: the world). z is the axis or normal; the first axis of a universal joint is z of the first "
+          "frame, its second axis x of the second. Coordinates are zero where the two frames coincide. A loop of "
+          "such joints need not close as drawn: it is assembled.",
+          {required(object_field("first", K::kObject, Family::kPose, "On the first body")),
+           required(object_field("second", K::kObject, Family::kPose, "On the second body"))}),
       single(
           Family::kFriction, "friction", "a joint's friction",
           "Friction along the joint's freedoms. `coulomb` is for revolute, prismatic, cylindrical, planar, spherical, "

@@ -196,7 +196,8 @@ std::string text_of(const JointSpec& joint) {
   }
   map.add_if("length", joint.length);
   if (joint.frames) {
-    map.add("frames", fmt::format("{{first: {}, second: {}}}", text_of((*joint.frames)[0]), text_of((*joint.frames)[1])));
+    map.add("frames",
+            fmt::format("{{first: {}, second: {}}}", text_of((*joint.frames)[0]), text_of((*joint.frames)[1])));
   } else if (info.placement == PlacementRule::kPointTwoAxes) {
     map.add("axes", fmt::format("[{}, {}]", text_of(joint.axis), text_of(joint.axis2)));
   } else {

@@ -87,8 +87,9 @@ void ModelAssembler::place_by_frames(const JointSpec& spec, Joint& joint) {
   const PlacementRule rule = joint_type_info(spec.type).placement;
   if (spec.place.given() || spec.axis.given() || spec.axis2.given() || spec.x || rule == PlacementRule::kTwoPoints ||
       rule == PlacementRule::kMesh) {
-    diagnostics_.error("F211", place_or((*spec.frames)[0].at, spec.name),
-                       fmt::format("'{}' has 'frames' beside what they stand for, or cannot have them", spec.name.name));
+    diagnostics_.error(
+        "F211", place_or((*spec.frames)[0].at, spec.name),
+        fmt::format("'{}' has 'frames' beside what they stand for, or cannot have them", spec.name.name));
     return;
   }
   if (spec.type == JointType::kScrew) read_lead(spec, joint);

@@ -65,7 +65,7 @@ struct Joint {
   std::optional<Vector6d> misalignment;  ///< Translation (3) then rotation (3) in F axes.
   std::optional<std::array<double, 2>> limits;
   std::optional<Friction> friction;
-  bool drawn = true;    ///< False: given on each body by itself, so a loop need not close as drawn.
+  bool drawn = true;  ///< False: given on each body by itself, so a loop need not close as drawn.
   /// Given by frames: as drawn its coordinates are what the bodies' poses make of them, else they are zero.
   bool by_frames = false;
   Dimension dimension;  ///< Of a generalized coordinate.

@@ -5,7 +5,8 @@
 
 namespace ferrers {
 
-/// A pose in numbers, for a specification: position in m, quaternion (w, x, y, z). Rotations that are none are left out.
+/// A pose in numbers, for a specification: position in m, quaternion (w, x, y, z). Rotations that are none are left
+/// out.
 inline PoseSpec pose_spec(const Pose& X, SourceRange at = {}) {
   PoseSpec spec;
   spec.position = number3(X.p.x(), X.p.y(), X.p.z());

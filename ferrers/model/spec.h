@@ -137,10 +137,10 @@ struct JointSpec {
   PlaceSpec axis2;                ///< kUniversal: the second of `axes`.
   std::optional<Number3> x;       ///< Optional x direction of the joint's frame, drawn.
   /// Instead of places, axes and x: the joint's frame on its first and on its second body, each in that body's own
-  /// drawing frame; z is the axis or normal, and the second's x is a universal joint's second axis. Coordinates are zero
-  /// where the two frames coincide.
+  /// drawing frame; z is the axis or normal, and the second's x is a universal joint's second axis. Coordinates are
+  /// zero where the two frames coincide.
   std::optional<std::array<PoseSpec, 2>> frames;
-  Number lead;                    ///< kScrew: m per turn.
+  Number lead;  ///< kScrew: m per turn.
   std::optional<std::array<Number3, 2>>
       points;  ///< kDistance: on the first, on the second; drawn, or in the bodies' frames when they have poses
   bool points_on_bodies = false;          ///< kDistance: `points` is keyed by body: each in its body's own frame.

@@ -11,10 +11,10 @@
 /// describe a mechanism that jams: a loop that does not quite close, axes that are not quite parallel, and no
 /// redundancy.
 ///
-/// Given: a model and how far its numbers may be off (relative to its size; rad). Wanted: the nearest geometry that does
-/// exactly what this one does nearly: its loops close, and it moves.
-/// Method: with the rank decided under that tolerance the mechanism is led through several poses, each the nearest to
-/// closing. At each, a self-stress z meets the misclosure zᵀ phi, and feels every displacement of a joint's seats:
+/// Given: a model and how far its numbers may be off (relative to its size; rad). Wanted: the nearest geometry that
+/// does exactly what this one does nearly: its loops close, and it moves. Method: with the rank decided under that
+/// tolerance the mechanism is led through several poses, each the nearest to closing. At each, a self-stress z meets
+/// the misclosure zᵀ phi, and feels every displacement of a joint's seats:
 ///   zᵀ phi + Σ_joints w_j · (ε_M − ε_F) = 0,
 /// w_j being its wrench on joint j, ε_F and ε_M small displacements of the joint's frames on their bodies. The least
 /// displacements that do this at all poses at once are made, poses and self-stresses are found anew, and so on

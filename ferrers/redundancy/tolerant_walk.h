@@ -29,9 +29,9 @@ class TolerantWalk {
 
   const RankDecision& decision() const { return decision_; }
   int free_directions() const { return static_cast<int>(G_.cols()) - decision_.rank; }
-  MatrixXd left_null() const;  ///< m × (m − r), of the scaled G.
-  const VectorXd& phi() const { return blocks_.phi; }                       ///< m, SI.
-  double residual() const;                                                  ///< Largest scaled entry of phi, m.
+  MatrixXd left_null() const;                          ///< m × (m − r), of the scaled G.
+  const VectorXd& phi() const { return blocks_.phi; }  ///< m, SI.
+  double residual() const;                             ///< Largest scaled entry of phi, m.
 
  private:
   void evaluate(const State& state);
