@@ -51,6 +51,7 @@ TEST_F(CommandTest, HelpAndVersionAreResultsAndNotErrors) {
                                                     {"equilibrium", "--help"},
                                                     {"linearize", "--help"},
                                                     {"equations", "--help"},
+                                                    {"convert", "--help"},
                                                     {"schema", "--help"},
                                                     {"new", "--help"},
                                                     {"doctor", "--help"}}) {

@@ -223,6 +223,20 @@ TEST(RandomMechanismsTest, TheOrderOfTheFileChangesNothing) {
   });
 }
 
+TEST(RandomMechanismsTest, BodiesInPartsThatWeldsMergeAreTheBodiesAgain) {
+  for_all([](const Subject& here) {
+    EngineProbe engine(here.mechanism.spec), other(in_parts(here.mechanism.spec, here.mechanism.seed));
+    ASSERT_EQ(other.model().bodies().size(), engine.model().bodies().size());
+    ASSERT_EQ(other.model().joints().size(), engine.model().joints().size());
+    const State state = tree_state(*engine.system, here.state), other_state = tree_state(*other.system, here.state);
+    const ForwardResult result = engine.forward(state), other_result = other.forward(other_state);
+    EXPECT_TRUE(matrices_near(joined(other.body_accelerations(other_result.vdot)),
+                              joined(engine.body_accelerations(result.vdot)), kAgreement));
+    const std::vector<JointReaction> reactions = engine.reactions(state, result);
+    expect_same_reactions(here.model, other.reactions(other_state, other_result), reactions, reactions);
+  });
+}
+
 /// Joints whose frames turn with the mechanism (the others keep world axes as drawn).
 bool has_own_axes(JointType type) {
   switch (type) {

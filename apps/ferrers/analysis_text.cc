@@ -19,6 +19,38 @@ std::string heading(int number, std::string_view question, const Style& style) {
   return "\n" + style.bold(fmt::format("{}  {}", number, question)) + "\n";
 }
 
+std::string listed(const std::vector<std::string>& names) {
+  const std::size_t shown = std::min(names.size(), kMostListed);
+  std::string text = fmt::format("{}", fmt::join(names.begin(), names.begin() + static_cast<long>(shown), ", "));
+  return shown < names.size() ? text + fmt::format(" and {} more", names.size() - shown) : text;
+}
+
+// Bodies of the file that are one body of the model.
+std::string groups_text(const Model& model) {
+  std::string text;
+  std::size_t shown = 0, groups = 0, parts = 0;
+  for (const Body& body : model.bodies()) {
+    if (body.parts.empty()) continue;
+    ++groups;
+    parts += body.parts.size();
+    if (shown++ >= kMostListed) continue;
+    std::vector<std::string> names;
+    for (const Part& part : body.parts) names.push_back(part.name);
+    const std::size_t surplus = body.merged_welds.size() + 1 - names.size();
+    text += wrapped_text(
+        "   " + body.name + "  ",
+        fmt::format(
+            "{} parts: {}{}", names.size(), listed(names),
+            surplus > 0 ? fmt::format("; {} more than needed", counted(static_cast<long>(surplus), "weld")) : ""),
+        "     ");
+  }
+  if (groups == 0) return "";
+  if (shown > kMostListed) text += fmt::format("   and {} more (--json lists all)\n", shown - kMostListed);
+  return fmt::format("\n   {} parts are {}, held by welds that bear no reactions here ('--welds keep' gives them):\n",
+                     parts, counted(static_cast<long>(groups), "rigid group")) +
+         text;
+}
+
 std::string certainty_text(const RedundancyReport& report, const ContradictionReport& closure, const Style& style) {
   const RankDecision& decision = report.decision;
   const auto& values = decision.singular_values;
@@ -66,15 +98,10 @@ std::string geometry_text(const ConsistentGeometry& geometry, const Style& style
   std::size_t shown = 0;
   for (const ParallelAxes& group : geometry.parallel) {
     if (shown++ == kMostListed) break;
-    const std::size_t named = std::min(group.joints.size(), kMostListed);
-    const std::string joints =
-        fmt::format("{}", fmt::join(group.joints.begin(), group.joints.begin() + static_cast<long>(named), ", "));
-    text += wrapped_text(
-        "",
-        fmt::format("The axes of {}{} are parallel to {}; treated as parallel.", joints,
-                    named < group.joints.size() ? fmt::format(" and {} more", group.joints.size() - named) : "",
-                    angle_text(group.angle_rad)),
-        "");
+    text += wrapped_text("",
+                         fmt::format("The axes of {} are parallel to {}; treated as parallel.", listed(group.joints),
+                                     angle_text(group.angle_rad)),
+                         "");
   }
   return text;
 }
@@ -397,7 +424,7 @@ std::string analysis_text(const Model& model, const MechanismAnalysis& analysis,
   if (linear > 0) parts.push_back(counted(linear, "coupling"));
   if (relations > 0) parts.push_back(counted(relations, "constraint"));
   std::string text = fmt::format("{}: {}", style.bold(model.name()), fmt::join(parts, ", "));
-  text += "\n";
+  text += "\n" + groups_text(model);
   if (geometry != nullptr) text += geometry_text(*geometry, style);
   text += counts_text(report, analysis.closure, style) + closure_text(analysis.closure, style) +
           idle_text(analysis.releases);

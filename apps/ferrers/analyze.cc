@@ -20,7 +20,10 @@ namespace {
 
 void print_json(const LoadedModel& loaded, const MechanismAnalysis* analysis) {
   AnalysisDocument document;
-  if (loaded.model) document.model = loaded.model->name();
+  if (loaded.model) {
+    document.model = loaded.model->name();
+    document.bodies = &loaded.model->bodies();
+  }
   document.analysis = analysis;
   document.geometry = loaded.geometry ? &*loaded.geometry : nullptr;
   document.diagnostics = &loaded.diagnostics;

@@ -145,6 +145,12 @@ void add_import_options(CLI::App& verb, ImportOptions& options) {
       ->check(CLI::IsMember({"merge", "keep"}))
       ->type_name("merge|keep")
       ->group(group);
+  verb.add_option_function<std::string>(
+          "--welds", [&options](const std::string& word) { options.keep_welds = word == "keep"; },
+          "fixed joints between bodies: made one rigid group of them, which is usual, or kept with their reactions")
+      ->check(CLI::IsMember({"merge", "keep"}))
+      ->type_name("merge|keep")
+      ->group(group);
   verb.add_option("--closures", options.closures,
                   "URDF: file of closed loops; else NAME.closures.yaml or NAME.yaml beside NAME.urdf")
       ->type_name("FILE")
@@ -257,8 +263,9 @@ void report_open(LoadedModel& loaded, const AssemblyResult& assembly, const Cont
 
 void report_masses(LoadedModel& loaded, const std::vector<std::string>& bodies) {
   for (const BodySpec& body : loaded.model->spec().bodies) {
+    const std::optional<BodyId> whole = loaded.model->find_body(body.name.name);
     for (const std::string& name : bodies) {
-      if (body.name.name != name) continue;
+      if (body.mass || !whole || loaded.model->body(*whole).name != name) continue;
       report(loaded, "F504", body.name.at, fmt::format("body '{}' has no mass, which dynamics needs", name),
              "give it a 'mass' and 'com'; zero is a mass as well");
     }

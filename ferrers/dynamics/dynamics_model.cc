@@ -132,7 +132,7 @@ class Binder {
   void bind_force(const Load& load) {
     BoundLoad bound;
     bound.point = system().point(load.body, load.point_m);
-    bound.R_NB = system().nodes[bound.point.node].X_BN.R.transpose();
+    bound.R_NB = system().nodes[bound.point.node].X_BN.R.transpose() * load.R_BP;
     bound.is_torque = load.is_torque;
     bound.in_body_axes = load.in_body_axes;
     for (int i = 0; i < 3; ++i) bound.components[i] = bind_law(load.components[i]);

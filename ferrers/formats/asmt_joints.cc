@@ -145,6 +145,7 @@ void JointReader::add_joint(const AsmtRecord& record, const JointClass& kind, As
   } else {
     joint.frames = {pose_spec(first.X_PM, first.at), pose_spec(second.X_PM, second.at)};
   }
+  if (joint.type == JointType::kWeld) mark_fixed(joint);
   joints_.all.push_back({static_cast<int>(import_.spec.joints.size()), first, second, X_12});
   import_.spec.joints.push_back(std::move(joint));
 }

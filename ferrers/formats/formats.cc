@@ -1,8 +1,13 @@
 #include "ferrers/formats/formats.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <map>
+#include <set>
+#include <string>
 #include <utility>
 
 #include "ferrers/formats/asmt.h"
@@ -65,12 +70,57 @@ std::optional<fs::path> closures_beside(const fs::path& model) {
   return std::nullopt;
 }
 
+/// Whether the file of a shape is there: beside the model, or in a package that holds the model.
+bool mesh_is_there(const fs::path& folder, std::string mesh) {
+  bool in_package = false;
+  for (const std::string_view scheme : {"file://", "package://", "model://"}) {
+    if (mesh.rfind(scheme, 0) != 0) continue;
+    mesh.erase(0, scheme.size());
+    in_package = scheme != "file://";
+  }
+  std::error_code ignored;
+  if (!in_package) return fs::exists(folder / mesh, ignored);
+  const std::size_t slash = mesh.find('/');
+  const std::string inside = slash == std::string::npos ? mesh : mesh.substr(slash + 1);
+  for (fs::path up = fs::absolute(folder / ".", ignored).lexically_normal(); up.has_relative_path();
+       up = up.parent_path()) {
+    if (fs::exists(up / mesh, ignored) || fs::exists(up / inside, ignored)) return true;
+  }
+  return false;
+}
+
+void tell_missing_meshes(const fs::path& folder, ModelFile& file) {
+  std::set<std::string> missing;
+  for (const VisualShape& shape : file.visuals) {
+    if (shape.kind != VisualShape::Kind::kMesh || mesh_is_there(folder, shape.mesh)) continue;
+    missing.insert(shape.mesh);
+  }
+  if (missing.empty()) return;
+  file.read.diagnostics.notice(
+      "F606", {},
+      fmt::format("{} of shapes cannot be found, '{}' first: they are not needed for anything but looks",
+                  missing.size() == 1 ? "a file" : fmt::format("{} files", missing.size()), *missing.begin()));
+}
+
 void append_sorted(Diagnostics& to, const Diagnostics& more) {
   to.append(more);
   to.sort_by_place();
 }
 
+void keep_welds(ModelReadResult& read) {
+  const auto merges = [](const JointSpec& joint) { return joint.merge; };
+  if (!read.model || std::none_of(read.spec.joints.begin(), read.spec.joints.end(), merges)) return;
+  keep_welds(read.spec);
+  std::map<std::string, double> values;
+  for (const Parameter& one : read.model->parameters()) values[one.name] = one.value;
+  read.model = build_model(read.spec, values).model;
+}
+
 }  // namespace
+
+void keep_welds(ModelSpec& spec) {
+  for (JointSpec& joint : spec.joints) joint.merge = false;
+}
 
 std::string_view format_name(ModelFormat format) { return entry(format).name; }
 
@@ -101,6 +151,7 @@ ModelFile read_any_model_text(std::string text, std::string name, ModelFormat fo
   file.format = format;
   if (format == ModelFormat::kNative) {
     file.read = read_model_text(std::move(text), std::move(name), options);
+    if (import.keep_welds) keep_welds(file.read);
     return file;
   }
   file.read.source = std::move(text);
@@ -110,6 +161,7 @@ ModelFile read_any_model_text(std::string text, std::string name, ModelFormat fo
   file.renamed = std::move(imported.renamed);
   file.visuals = std::move(imported.visuals);
   file.read.spec = std::move(imported.spec);
+  if (import.keep_welds) keep_welds(file.read.spec);
   file.read.diagnostics.sort_by_place();
   if (file.read.diagnostics.has_errors()) return file;
   if (!options.edits.empty() || !options.parameter_texts.empty() || !options.parameters.empty()) {
@@ -136,13 +188,17 @@ ModelFile read_any_model_file(const fs::path& path, const ReadModelOptions& opti
   if (format == ModelFormat::kNative) {
     ModelFile file;
     file.read = read_model_file(path, options);
+    if (import.keep_welds) keep_welds(file.read);
     return file;
   }
   ImportOptions own = import;
   if (format == ModelFormat::kUrdf && !own.closures) {
     own.closures = closures_beside(path);
   }
-  return read_any_model_text(std::move(*text), path.string(), format, loader_beside(path, own.closures), options, own);
+  ModelFile file =
+      read_any_model_text(std::move(*text), path.string(), format, loader_beside(path, own.closures), options, own);
+  tell_missing_meshes(path.parent_path(), file);
+  return file;
 }
 
 }  // namespace ferrers

@@ -30,6 +30,9 @@ struct ModelFile {
   std::vector<VisualShape> visuals;
 };
 
+/// Welds stay joints, and what they hold stays several bodies, whatever the file says.
+void keep_welds(ModelSpec& spec);
+
 /// Reads a model file of any format. Parameters and edits of `options` act on a foreign file as on the native file that
 /// `write_model` makes of it. All errors at once; nothing throws. Cost: linear in its size.
 ModelFile read_any_model_file(const std::filesystem::path& path, const ReadModelOptions& options = {},

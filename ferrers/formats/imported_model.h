@@ -28,6 +28,7 @@ struct ImportOptions {
   /// One joint for revolute joints in a row that stand for a spherical or universal one; absent: where the file closes
   /// loops, since these are assembled with it far better.
   std::optional<bool> merge_revolute_rows;
+  bool keep_welds = false;  ///< Bodies that fixed joints hold together stay apart, and the joints bear reactions.
   /// URDF: the file of closed loops; absent: looked for beside the model.
   std::optional<std::filesystem::path> closures;
 };
@@ -57,6 +58,11 @@ struct ImportedModel {
   std::vector<RenamedThing> renamed;
   std::vector<VisualShape> visuals;
 };
+
+/// A fixed joint of a file makes one body of two, unless it holds them to the ground: what the base bears is asked for.
+inline void mark_fixed(JointSpec& joint) {
+  joint.merge = joint.bodies[0].name != "ground" && joint.bodies[1].name != "ground";
+}
 
 /// The text of a further file that a model names (an included one, a table), by its path as written; nothing where it
 /// cannot be read. Readers touch no file themselves, so they can be tested and fuzzed on texts alone.

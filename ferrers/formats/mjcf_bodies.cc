@@ -163,6 +163,7 @@ void add_weld(Import& import, const TreeBody& body) {
   spec.type = JointType::kWeld;
   spec.bodies = {NameRef(import.body(body.parent).name, at), NameRef(body.name, at)};
   spec.frames = {pose_spec(body.X_PB, at), pose_spec(Pose(), at)};
+  mark_fixed(spec);
   import.spec().joints.push_back(std::move(spec));
 }
 

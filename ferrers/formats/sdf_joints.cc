@@ -211,6 +211,7 @@ SdfMadeJoint JointReader::read(const SdfJoint& joint) {
     (*spec.frames)[i] = pose_spec(side.X_WB.inverse() * side.X_WJ * Pose(*R_JA, Vector3d::Zero()), element.at());
   }
   if (type->type == JointType::kScrew) spec.lead = lead(element);
+  if (type->type == JointType::kWeld) mark_fixed(spec);
   read_sdf_axis_data(element, {written, made.name, type->axes}, options_, names_, spec, spec_.forces);
   spec_.joints.push_back(std::move(spec));
   return made;

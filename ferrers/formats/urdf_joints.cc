@@ -90,6 +90,7 @@ void add_joint(UrdfImport& import, UrdfJoint& joint) {
     read_limits(import, joint, spec);
     read_dynamics(import, joint);
   }
+  if (type == JointType::kWeld) mark_fixed(spec);
   import.spec().joints.push_back(std::move(spec));
 }
 

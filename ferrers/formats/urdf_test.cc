@@ -21,6 +21,7 @@ using testing::HasSubstr;
 using Files = std::map<std::string, std::string>;
 
 ModelFile read(const std::string& text, ImportOptions import = {}, const Files& files = {}) {
+  import.keep_welds = true;  // every link is looked at
   const FileLoader load = [&](const std::string& path) -> std::optional<std::string> {
     const auto found = files.find(path);
     return found == files.end() ? std::nullopt : std::optional(found->second);
@@ -288,6 +289,22 @@ TEST(UrdfTest, ClosuresJoinPointsOrFrames) {
   EXPECT_EQ(joint_of(frames, "tip").type, JointType::kWeld);
   EXPECT_EQ(analysis(frames).redundancy->closure_rows, 5);  // of a hinge: the weld is in the tree
   EXPECT_EQ(analysis(frames).redundancy->redundant, 3);     // all of it is planar: 6 closing rows hold 3 ways to move
+}
+
+TEST(UrdfTest, FixedJointsMergeLinksButNotThoseToTheGroundNorClosures) {
+  const std::string text =
+      robot(link("a") + link("b") + link("c") + link("d") + joint("pin", "continuous", "a", "b") +
+            joint("bolt", "fixed", "b", "c") + joint("turn", "continuous", "a", "d") +
+            "<loop name=\"ring\" type=\"fixed\"><predecessor link=\"c\"/><successor link=\"d\"/></loop>");
+  const ModelFile file =
+      read_any_model_text(text, "robot.urdf", ModelFormat::kUrdf, [](const std::string&) { return std::nullopt; });
+  ASSERT_TRUE(file.read.model) << all_messages(file);
+  const Model& model = *file.read.model;
+  EXPECT_EQ(model.bodies().size(), 4U);  // ground, a, b with c, d
+  EXPECT_EQ(model.find_body("c"), model.find_body("b"));
+  EXPECT_FALSE(model.find_joint("bolt"));
+  EXPECT_TRUE(model.find_joint("fixed_base"));
+  EXPECT_TRUE(model.find_joint("ring"));
 }
 
 TEST(UrdfTest, ClosuresReplaceJoints) {

@@ -47,8 +47,10 @@ std::vector<std::string> written_format_words() {
 std::vector<WrittenFile> write_any_model(const ModelSpec& spec, ModelFormat format, const std::filesystem::path& path,
                                          Diagnostics& diagnostics) {
   if (format == ModelFormat::kNative) return {{path.string(), write_model(spec)}};
-  if (format == ModelFormat::kUrdf) return urdf_files(spec, path, diagnostics);
-  if (format == ModelFormat::kMjcf) return {{path.string(), write_mjcf(spec, diagnostics)}};
+  ModelSpec parts = spec;
+  keep_welds(parts);
+  if (format == ModelFormat::kUrdf) return urdf_files(parts, path, diagnostics);
+  if (format == ModelFormat::kMjcf) return {{path.string(), write_mjcf(parts, diagnostics)}};
   diagnostics.error("F607", {}, std::string(format_name(format)) + " cannot be written", "it can be read only");
   return {};
 }

@@ -88,6 +88,10 @@ ObjectType joint_type(const JointTypeInfo& info) {
                                        "The joint's frame on each body, instead of " + placement_words(info.placement),
                                        "none"));
   }
+  if (info.type == JointType::kWeld) {
+    type.fields.push_back(field("merge", K::kBoolean, {},
+                                "Whether its bodies are one rigid group: the weld then bears no reactions", "false"));
+  }
   if (info.type == JointType::kScrew) {
     type.fields.push_back(
         required(field("lead", K::kNumber, kOfLength, "Advance of the second body per turn, right-handed")));

@@ -341,12 +341,27 @@ OrderedJson geometry_value(const ConsistentGeometry& geometry) {
           {"text", geometry.text}};
 }
 
+OrderedJson groups_value(const std::vector<Body>& bodies) {
+  OrderedJson groups = OrderedJson::array();
+  for (const Body& body : bodies) {
+    if (body.parts.empty()) continue;
+    OrderedJson parts = OrderedJson::array();
+    for (const Part& part : body.parts) parts.push_back(part.name);
+    groups.push_back({{"name", body.name}, {"parts", std::move(parts)}, {"welds", body.merged_welds}});
+  }
+  return groups;
+}
+
 }  // namespace
 
 std::string write_analysis_json(const AnalysisDocument& document) {
   OrderedJson out = empty_document();
   if (!document.model.empty()) out["model"] = document.model;
   if (document.analysis != nullptr) add_analysis(*document.analysis, out);
+  if (document.bodies != nullptr) {
+    OrderedJson groups = groups_value(*document.bodies);
+    if (!groups.empty()) out["rigid_groups"] = std::move(groups);
+  }
   if (document.geometry != nullptr && document.geometry->verdict != GeometryVerdict::kExact) {
     out["geometry"] = geometry_value(*document.geometry);
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "ferrers/core/diagnostics.h"
 #include "ferrers/redundancy/consistent_geometry.h"
@@ -12,6 +13,7 @@ namespace ferrers {
 struct AnalysisDocument {
   std::string model;                            ///< Empty: not known, the file could not be read.
   const MechanismAnalysis* analysis = nullptr;  ///< Null: the model could not be read.
+  const std::vector<Body>* bodies = nullptr;    ///< Of the model: for its rigid groups.
   const Diagnostics* diagnostics = nullptr;
   const ConsistentGeometry* geometry = nullptr;  ///< What was done about numbers good to a tolerance; null: nothing.
 };

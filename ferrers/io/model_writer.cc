@@ -195,6 +195,7 @@ std::string text_of(const JointSpec& joint) {
     map.add_if("points", joint.points);
   }
   map.add_if("length", joint.length);
+  if (joint.merge) map.add("merge", "true");
   if (joint.frames) {
     map.add("frames",
             fmt::format("{{first: {}, second: {}}}", text_of((*joint.frames)[0]), text_of((*joint.frames)[1])));

@@ -104,6 +104,7 @@ void SpecReader::read_joint_extras(ObjectReader& object, JointSpec& joint) {
       joint.misalignment = MisalignmentSpec{inner.vector3("translation"), inner.vector3("rotation"), node->at};
     }
   }
+  if (object.type().find("merge") != nullptr) joint.merge = object.boolean("merge").value_or(false);
   if (object.type().find("limits") != nullptr) joint.limits = object.number_pair("limits");
   if (object.type().find("friction") == nullptr) return;
   if (const DocumentNode* node = object.object("friction")) {

@@ -5,7 +5,7 @@
 namespace ferrers {
 
 ModelAssembler::ModelAssembler(std::shared_ptr<const ModelSpec> spec, std::map<std::string, double> overrides)
-    : spec_(std::move(spec)), overrides_(std::move(overrides)) {}
+    : whole_spec_(spec), spec_(std::move(spec)), overrides_(std::move(overrides)) {}
 
 ModelBuildResult ModelAssembler::build() {
   static const NameRef kModel("the model");
@@ -14,6 +14,7 @@ ModelBuildResult ModelAssembler::build() {
   build_parameters();
   model_.gravity_ = vector(spec_->gravity, kAcceleration, {"gravity", kModel});
   build_bodies();
+  merge_welded_parts();
   build_joints();
   build_coordinates();
   build_meshes();
@@ -28,10 +29,11 @@ ModelBuildResult ModelAssembler::build() {
   build_motions();
   build_initial();
   build_events();
+  put_groups_together();
   ModelBuildResult result;
   result.diagnostics = std::move(diagnostics_);
   if (result.diagnostics.has_errors()) return result;
-  model_.spec_ = std::move(spec_);
+  model_.spec_ = std::move(whole_spec_);
   model_.overrides_ = std::move(overrides_);
   result.model = std::move(model_);
   return result;

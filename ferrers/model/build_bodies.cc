@@ -173,16 +173,20 @@ Matrix3d ModelAssembler::rotation(const RotationSpec& spec, const NameRef& owner
 
 void ModelAssembler::check_bodies_have_joints() {
   std::vector<bool> held(model_.bodies_.size(), false);
+  const auto first = [&](int body) {
+    return static_cast<std::size_t>(groups_.empty() ? body : groups_[static_cast<std::size_t>(body)].first);
+  };
+  held[0] = true;
   for (const JointSpec& spec : spec_->joints) {
     for (const NameRef& name : spec.bodies) {
       const auto found = body_index_.find(name.name);
-      if (found != body_index_.end()) held[static_cast<std::size_t>(found->second)] = true;
+      if (found != body_index_.end()) held[first(found->second)] = true;
     }
   }
   for (std::size_t i = 0; i < spec_->bodies.size(); ++i) {
     const NameRef& name = spec_->bodies[i].name;
     const bool named_before = body_index_.at(name.name) != static_cast<int>(i) + 1;  // has its own message
-    if (held[i + 1] || named_before) continue;
+    if (held[first(static_cast<int>(i) + 1)] || named_before) continue;
     diagnostics_.error("F315", name.at, fmt::format("the body '{}' has no joint", name.name),
                        "a body that moves freely takes a joint of type 'free'");
   }

@@ -38,13 +38,27 @@ struct StateFormula {
   std::vector<LawInput> inputs;
 };
 
+/// A weld that makes its bodies one: X_12 is the second body's frame in the first's.
+struct GroupWeld {
+  const JointSpec* spec = nullptr;
+  std::array<int, 2> bodies = {0, 0};
+  Pose X_12;
+};
+
+/// Where a body of the file went: the first of its rigid group, and its frame in that one's.
+struct GroupPlace {
+  int first = 0;
+  Pose X_BP;
+};
+
 /// Positions of the names of one kind in their list.
 using NameIndex = std::unordered_map<std::string, int>;
 
 /// Makes a `Model` of a specification, in one pass per section, collecting diagnostics.
 ///
 /// Errors do not stop the pass: a number that cannot be had is NaN and everything that follows from it stays silent,
-/// so every message is about a cause. Bodies and joints keep the positions that they have in the specification.
+/// so every message is about a cause. Bodies and joints keep the positions that they have in the specification, less
+/// the welds that are merged; bodies become rigid groups at the end.
 class ModelAssembler {
  public:
   ModelAssembler(std::shared_ptr<const ModelSpec> spec, std::map<std::string, double> overrides);
@@ -89,6 +103,14 @@ class ModelAssembler {
   Pose pose(const PoseSpec& spec, const NameRef& owner);
   Matrix3d rotation(const RotationSpec& spec, const NameRef& owner);
   void check_bodies_have_joints();
+
+  // build_groups.cc
+  void merge_welded_parts();
+  std::vector<GroupWeld> place_merged_welds();
+  std::vector<bool> join_parts(const std::vector<GroupWeld>& welds);
+  void leave_out_merged_welds(const std::vector<GroupWeld>& welds, const std::vector<bool>& faulty);
+  void put_groups_together();
+  Body group_of(const std::vector<int>& members);
 
   // build_places.cc
   std::optional<Vector3d> direction(const Number3& n, Field field);
@@ -185,7 +207,8 @@ class ModelAssembler {
   const Body& body(BodyId id) const { return model_.bodies_[static_cast<std::size_t>(id.index())]; }
   const Joint& joint(JointId id) const { return model_.joints_[static_cast<std::size_t>(id.index())]; }
 
-  std::shared_ptr<const ModelSpec> spec_;
+  std::shared_ptr<const ModelSpec> whole_spec_;  ///< As given.
+  std::shared_ptr<const ModelSpec> spec_;        ///< Without the welds that were merged.
   std::map<std::string, double> overrides_;
   Diagnostics diagnostics_;
   Model model_;
@@ -193,6 +216,8 @@ class ModelAssembler {
   std::vector<bool> has_mass_centre_;  ///< Per body.
   std::vector<bool> joint_is_placed_;  ///< Per joint: its bodies and frames are known.
   std::vector<InitialValue> coordinate_guesses_;
+  std::vector<GroupPlace> groups_;                        ///< Per body of the file; empty where nothing is merged.
+  std::map<int, std::vector<std::string>> merged_welds_;  ///< By the first body of their group.
   std::vector<int> welded_to_;  ///< Per body: representative of the bodies it is welded to (0: ground).
 };
 

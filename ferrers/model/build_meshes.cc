@@ -40,6 +40,7 @@ void ModelAssembler::build_meshes() {
 void ModelAssembler::find_welded_bodies() {
   welded_to_.resize(model_.bodies_.size());
   std::iota(welded_to_.begin(), welded_to_.end(), 0);
+  for (std::size_t i = 0; i < groups_.size(); ++i) welded_to_[i] = groups_[i].first;
   const auto root = [this](int i) {
     while (welded_to_[static_cast<std::size_t>(i)] != i) {
       int& up = welded_to_[static_cast<std::size_t>(i)];

@@ -133,13 +133,27 @@ class Renamer {
   std::unordered_map<std::string, std::pair<JointType, JointType>> types_;
 };
 
+// The joint with its frames on the bodies that the file names, where those are parts of rigid groups.
+Joint on_parts(const Model& model, JointId id) {
+  Joint joint = model.joint(id);
+  const auto& bodies = model.spec().joints[model.spec_index(id)].bodies;
+  joint.X_1F = model.part_pose(bodies[0].name).inverse() * joint.X_1F;
+  joint.X_2M = model.part_pose(bodies[1].name).inverse() * joint.X_2M;
+  return joint;
+}
+
+// As drawn.
+Matrix3d turn_of_part(const Model& model, BodyId body, const NameRef& part) {
+  return model.body(body).X_WB.R * model.part_pose(part.name).R;
+}
+
 // The frames of a joint given by them, with the new direction; the zero of an angle that is kept stays where it was.
 void turn_frames(const JointChange& change, const Joint& before, const Model& model, JointSpec& spec) {
   const Pose &F = before.X_1F, &M = before.X_2M;
-  const Matrix3d second_from_first =
-      before.type == JointType::kSpherical
-          ? Matrix3d(model.body(before.second).X_WB.R.transpose() * model.body(before.first).X_WB.R)
-          : Matrix3d(M.R * F.R.transpose());
+  const Matrix3d second_from_first = before.type == JointType::kSpherical
+                                         ? Matrix3d(turn_of_part(model, before.second, spec.bodies[1]).transpose() *
+                                                    turn_of_part(model, before.first, spec.bodies[0]))
+                                         : Matrix3d(M.R * F.R.transpose());
   const Vector3d direction = F.R * change.direction;
   const Matrix3d R =
       change.to == JointType::kUniversal ? frame_from_zx(F.R.col(2), direction) : frame_from_z(direction);
@@ -175,7 +189,8 @@ std::string retype(const JointChange& change, const Joint& before, const Model& 
     if (by_body) {
       place.on_body = {{spec.bodies[on_second ? 1 : 0], rounded(own)}};
     } else {
-      place.drawn = rounded(model.body(on_second ? before.second : before.first).X_WB.R * own);
+      const int side = on_second ? 1 : 0;
+      place.drawn = rounded(turn_of_part(model, on_second ? before.second : before.first, spec.bodies[side]) * own);
     }
     (on_second ? spec.axis2 : spec.axis) = place;
   }
@@ -245,9 +260,9 @@ void turn_extras(const Matrix3d& R, JointSpec& spec, std::vector<std::string>& n
 
 // Meshes read the gears' axis and centres off hinges; they must not lose them.
 void write_out_meshes(const Model& model, ModelSpec& spec) {
-  for (std::size_t j = 0; j < spec.joints.size(); ++j) {
+  for (std::size_t j = 0; j < model.coordinates_begin(); ++j) {
     const Joint& mesh = model.joints()[j];
-    JointSpec& out = spec.joints[j];
+    JointSpec& out = spec.joints[model.spec_index(JointId(j))];
     if (mesh.type != JointType::kGearMesh || mesh.constants.mesh_holds_as_drawn_only) continue;
     const Pose F = model.body(mesh.first).X_WB * mesh.X_1F, M = model.body(mesh.second).X_WB * mesh.X_2M;
     if (!out.axis.given()) out.axis.drawn = rounded(F.R.col(2));
@@ -375,13 +390,14 @@ JointChangeResult change_joints(const ModelSpec& spec, const std::vector<JointCh
   const CoordinateUses uses(spec);
   JointChangeResult out;
   out.spec = spec;
-  std::vector<std::size_t> changed;
+  std::vector<JointId> changed;
   bool loses_hinge = false;
   for (const JointChange& change : changes) {
     const std::optional<JointId> id = before.model->find_joint(change.joint);
     require(id.has_value(), "change_joints: unknown joint");
-    const Joint& joint = before.model->joint(*id);
-    JointSpec& target = out.spec->joints[id->index()];
+    const Joint joint = on_parts(*before.model, *id);
+    const std::size_t index = before.model->spec_index(*id);
+    JointSpec& target = out.spec->joints[index];
     require(joint_change_kind(joint.type, change.to) != ChangeKind::kImpossible && target.type == joint.type,
             "change_joints: this change is not known, or given twice");
     if (std::string obstacle = uses.obstacle(change.joint, change.to); !obstacle.empty()) return refused(obstacle);
@@ -389,9 +405,9 @@ JointChangeResult change_joints(const ModelSpec& spec, const std::vector<JointCh
       return refused(fmt::format("the angle of '{}' is used and would start from another zero", change.joint));
     }
     if (std::string fault = retype(change, joint, *before.model, target); !fault.empty()) return refused(fault);
-    drop_coordinate_extras(spec.joints[id->index()], target, out.notes);
+    drop_coordinate_extras(spec.joints[index], target, out.notes);
     loses_hinge = loses_hinge || (turns_about_axis(joint.type) && !turns_about_axis(change.to));
-    changed.push_back(id->index());
+    changed.push_back(*id);
   }
   Renamer(spec, changes).apply(*out.spec);
   if (loses_hinge) write_out_meshes(*before.model, *out.spec);
@@ -401,9 +417,9 @@ JointChangeResult change_joints(const ModelSpec& spec, const std::vector<JointCh
       if (one.severity == Severity::kError) return refused("the changed model would have an error: " + one.message);
     }
   }
-  for (const std::size_t j : changed) {
-    turn_extras(after.model->joints()[j].X_1F.R.transpose() * before.model->joints()[j].X_1F.R, out.spec->joints[j],
-                out.notes);
+  for (const JointId id : changed) {
+    turn_extras(after.model->joint(id).X_1F.R.transpose() * before.model->joint(id).X_1F.R,
+                out.spec->joints[before.model->spec_index(id)], out.notes);
   }
   return out;
 }

@@ -8,8 +8,27 @@ namespace ferrers {
 std::optional<BodyId> Model::find_body(std::string_view name) const {
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     if (bodies_[i].name == name) return BodyId(i);
+    for (const Part& part : bodies_[i].parts) {
+      if (part.name == name) return BodyId(i);
+    }
   }
   return std::nullopt;
+}
+
+Pose Model::part_pose(std::string_view name) const {
+  for (const Body& body : bodies_) {
+    for (const Part& part : body.parts) {
+      if (part.name == name) return part.X_BP;
+    }
+  }
+  return {};
+}
+
+std::size_t Model::spec_index(JointId id) const {
+  const auto& all = spec_->joints;
+  auto at = static_cast<std::size_t>(id.index());
+  while (all.at(at).name.name != joint(id).name) ++at;  // merged welds before it
+  return at;
 }
 
 std::optional<JointId> Model::find_joint(std::string_view name) const {

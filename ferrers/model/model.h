@@ -23,6 +23,12 @@ using Vector3d = Eigen::Vector3d;
 using Matrix3d = Eigen::Matrix3d;
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 
+/// A body of the file that became part of a rigid group, because welds with `merge` hold it.
+struct Part {
+  std::string name;
+  Pose X_BP;  ///< Its own frame in that of the body.
+};
+
 /// A rigid body. Its frame is the world frame of the drawing, or the frame that its `pose` gives.
 struct Body {
   std::string name;
@@ -31,6 +37,10 @@ struct Body {
   Vector3d com_m = Vector3d::Zero();         ///< In the body frame.
   Matrix3d inertia_kgm2 = Matrix3d::Zero();  ///< About the mass centre, body axes.
   Pose X_WB;                                 ///< Pose as drawn.
+  /// Of a rigid group: all its parts in the order of the file, ground first; name and frame of the body are those of
+  /// the first. Empty: the body is one part.
+  std::vector<Part> parts;
+  std::vector<std::string> merged_welds;  ///< By name: what holds the parts together. They bear no reactions.
 };
 
 /// Numbers that only some joint types use.
@@ -103,6 +113,7 @@ struct Load {
   Vector3d point_m = Vector3d::Zero();  ///< In the body's frame.
   std::array<Law, 3> components;
   bool in_body_axes = false;
+  Matrix3d R_BP = Matrix3d::Identity();  ///< Axes of the part that the file names, which `in_body_axes` means.
 };
 struct ForceElement {
   std::string name;
@@ -193,7 +204,11 @@ class Model {
   const Body& body(BodyId id) const { return bodies_.at(id.index()); }
   const Joint& joint(JointId id) const { return joints_.at(id.index()); }
 
-  std::optional<BodyId> find_body(std::string_view name) const;
+  std::optional<BodyId> find_body(std::string_view name) const;  ///< Also by the name of one of its parts.
+  /// Where a body of the file is in the body of the model that it belongs to: the identity unless it was merged.
+  Pose part_pose(std::string_view name) const;
+  /// The joint's place in `spec().joints`, which also has welds that were merged.
+  std::size_t spec_index(JointId id) const;
   std::optional<JointId> find_joint(std::string_view name) const;
   /// "joint" or "joint.coordinate", as couplings and drives write it.
   std::string coordinate_name(JointCoordinate coordinate) const;

@@ -140,7 +140,8 @@ struct JointSpec {
   /// drawing frame; z is the axis or normal, and the second's x is a universal joint's second axis. Coordinates are
   /// zero where the two frames coincide.
   std::optional<std::array<PoseSpec, 2>> frames;
-  Number lead;  ///< kScrew: m per turn.
+  bool merge = false;  ///< kWeld: its bodies are one; the weld is no joint any more and bears no reactions.
+  Number lead;         ///< kScrew: m per turn.
   std::optional<std::array<Number3, 2>>
       points;  ///< kDistance: on the first, on the second; drawn, or in the bodies' frames when they have poses
   bool points_on_bodies = false;          ///< kDistance: `points` is keyed by body: each in its body's own frame.

@@ -65,7 +65,7 @@ class Seats {
         if (one.isZero(0)) continue;
         one.tail<3>() /= length;
         frames_[j][side] = displaced(frames_[j][side], one);
-        place(spec_.joints[j], j);
+        place(spec_.joints[model_.spec_index(JointId(j))], j);
       }
     }
     ModelBuildResult built = build_model(spec_, values_);
@@ -96,7 +96,10 @@ class Seats {
   void place(JointSpec& joint, std::size_t index) const {
     joint.place = joint.axis = joint.axis2 = {};
     joint.x.reset();
-    joint.frames = {pose_spec(frames_[index][0], joint.name.at), pose_spec(frames_[index][1], joint.name.at)};
+    const auto on_part = [&](std::size_t side) {
+      return pose_spec(model_.part_pose(joint.bodies[side].name).inverse() * frames_[index][side], joint.name.at);
+    };
+    joint.frames = {on_part(0), on_part(1)};
   }
 
   const Model& model_;

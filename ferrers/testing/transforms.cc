@@ -9,6 +9,9 @@
 #include <string>
 
 #include "ferrers/math/rotation.h"
+#include "ferrers/model/model.h"
+#include "ferrers/model/pose_spec.h"
+#include "ferrers/testing/random_source.h"
 #include "ferrers/testing/zoo_parts.h"
 
 namespace ferrers::witness {
@@ -325,6 +328,54 @@ ModelSpec permuted(const ModelSpec& spec, std::uint64_t seed) {
   shuffle(out.couplings);
   shuffle(out.forces);
   shuffle(out.drives);
+  return out;
+}
+
+ModelSpec in_parts(const ModelSpec& spec, std::uint64_t seed) {
+  const Model model = *build_model(spec).model;
+  ModelSpec out = spec;
+  RandomSource random(seed);
+  const auto weld = [&](const std::string& name, const std::string& first, const std::string& second) {
+    JointSpec joint = witness::joint(JointType::kWeld, name, first, second, random.vector(1));
+    joint.axis = {};
+    joint.merge = true;
+    out.joints.push_back(joint);
+  };
+  for (std::size_t b = 0; b < spec.bodies.size(); ++b) {
+    const Body& whole = model.bodies()[b + 1];
+    const double share = 0.5 * (1 + random.vector(0.8).x());
+    const Pose X_WP(random.rotation(), random.vector(1));
+    const auto piece = [&](const std::string& name, const Pose& X, double of_all) {
+      const Matrix3d R = X.R.transpose() * whole.X_WB.R;
+      BodySpec part = tensor_body(name, X.inverse() * (whole.X_WB * whole.com_m),
+                                  of_all * (R * whole.inertia_kgm2 * R.transpose()), of_all * whole.mass_kg);
+      part.pose = pose_spec(X);
+      return part;
+    };
+    const std::string name = whole.name, second = name + "_part", third = name + "_bolt";
+    if (whole.has_mass) {
+      const bool posed = spec.bodies[b].pose.has_value();
+      out.bodies[b] = piece(name, whole.X_WB, 1 - share);
+      if (!posed) out.bodies[b].pose.reset();
+      out.bodies.push_back(piece(second, X_WP, share));
+    } else {
+      out.bodies.push_back({NameRef(second), {}, {}, {}, pose_spec(X_WP)});
+    }
+    weld("weld_" + second, name, second);
+    const bool has_third = random.chance(0.5);
+    if (has_third) {
+      out.bodies.push_back(whole.has_mass ? piece(third, Pose(random.rotation(), random.vector(1)), 0)
+                                          : BodySpec{NameRef(third), {}, {}, {}, {}});
+      weld("weld_" + third, third, random.chance(0.5) ? name : second);
+    }
+    for (std::size_t j = 0; j < spec.joints.size(); ++j) {
+      const JointSpec& joint = spec.joints[j];
+      if (joint.frames || !joint.place.drawn || (joint.axis.given() && !joint.axis.drawn)) continue;
+      for (NameRef& body : out.joints[j].bodies) {
+        if (body.name == name && random.chance(0.6)) body = has_third && random.chance(0.5) ? third : second;
+      }
+    }
+  }
   return out;
 }
 

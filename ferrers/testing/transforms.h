@@ -29,4 +29,9 @@ ModelSpec scaled(const ModelSpec& spec, double s);
 /// The order of bodies, joints, couplings, forces and drives shuffled; names, and each joint's first and second, stay.
 ModelSpec permuted(const ModelSpec& spec, std::uint64_t seed);
 
+/// Every body in parts: the file's, a second one with a share of its mass and inertia and a frame of its own, and
+/// sometimes a third without mass, held together by welds with `merge`; joints with drawn places sit on any of them.
+/// Bodies keep their names and places in the list, parts and welds come after all others.
+ModelSpec in_parts(const ModelSpec& spec, std::uint64_t seed);
+
 }  // namespace ferrers::witness

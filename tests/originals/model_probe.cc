@@ -117,6 +117,7 @@ bool read_options(int argc, char** argv, ImportOptions& import) {
 
 int main(int argc, char** argv) {
   ImportOptions import;
+  import.keep_welds = true;  // the other program has all parts
   if (!read_options(argc, argv, import)) {
     std::cerr << "usage: model_probe FILE [--base fixed|free] [--ignore LIST] [--closures FILE] < states.json\n";
     return 64;

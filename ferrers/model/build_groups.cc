@@ -1,0 +1,219 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+#include "ferrers/model/build_internal.h"
+#include "ferrers/model/mass_properties.h"
+
+/// Rigid groups: bodies that welds with `merge` hold are one body of the model. Poses follow the welds from the first
+/// body of a group. A group is left as it is drawn, welds and all, where merging would hide something: a weld too many
+/// that does not fit the others, or another joint between two of its parts.
+namespace ferrers {
+namespace {
+
+/// Rounded input: what places may differ by along two ways, relative to the group's extent; rad.
+constexpr double kSamePlace = 1e-5;
+
+double angle_of(const Matrix3d& R) { return rotation_log(R).norm(); }
+
+}  // namespace
+
+/// Those whose bodies and frames are known; messages about the others.
+std::vector<GroupWeld> ModelAssembler::place_merged_welds() {
+  std::vector<GroupWeld> welds;
+  for (const JointSpec& spec : spec_->joints) {
+    if (!spec.merge) continue;
+    if (spec.type != JointType::kWeld || spec.stiffness || spec.misalignment || spec.friction) {
+      diagnostics_.error(
+          "F211", spec.name.at,
+          fmt::format("'{}' cannot be merged: it is no weld, or has stiffness or misalignment", spec.name.name),
+          "leave out 'merge'");
+      continue;
+    }
+    Joint weld;
+    Diagnostics before = diagnostics_;
+    joint_is_placed_.assign(1, false);
+    build_joint(spec, weld);
+    diagnostics_ = std::move(before);  // a weld that cannot be built has its message as a joint
+    if (!joint_is_placed_[0] || weld.first == weld.second) continue;
+    welds.push_back({&spec, {weld.first.index(), weld.second.index()}, weld.X_1F * weld.X_2M.inverse()});
+  }
+  return welds;
+}
+
+/// Finds the groups and the poses in them. True for each body whose group must not be merged.
+std::vector<bool> ModelAssembler::join_parts(const std::vector<GroupWeld>& welds) {
+  const std::size_t count = model_.bodies_.size();
+  std::vector<std::vector<std::size_t>> held(count);
+  for (std::size_t w = 0; w < welds.size(); ++w) {
+    for (const int body : welds[w].bodies) held[static_cast<std::size_t>(body)].push_back(w);
+  }
+  groups_.assign(count, {-1, {}});
+  std::vector<double> extent(count, 0);
+  for (std::size_t first = 0; first < count; ++first) {
+    if (groups_[first].first >= 0) continue;
+    groups_[first] = {static_cast<int>(first), {}};
+    std::vector<std::size_t> reached = {first};
+    for (std::size_t i = 0; i < reached.size(); ++i) {
+      const std::size_t at = reached[i];
+      for (const std::size_t w : held[at]) {
+        const bool forward = welds[w].bodies[0] == static_cast<int>(at);
+        const auto next = static_cast<std::size_t>(welds[w].bodies[forward ? 1 : 0]);
+        if (groups_[next].first >= 0) continue;
+        const Pose step = forward ? welds[w].X_12 : welds[w].X_12.inverse();
+        groups_[next] = {static_cast<int>(first), groups_[at].X_BP * step};
+        extent[first] = std::max(extent[first], groups_[next].X_BP.p.norm());
+        reached.push_back(next);
+      }
+    }
+  }
+  std::vector<bool> faulty(count, false);
+  for (const GroupWeld& weld : welds) {
+    const GroupPlace &a = groups_[static_cast<std::size_t>(weld.bodies[0])],
+                     &b = groups_[static_cast<std::size_t>(weld.bodies[1])];
+    const auto first = static_cast<std::size_t>(a.first);
+    const Pose X_12 = a.X_BP.inverse() * b.X_BP;
+    const double apart = (X_12.p - weld.X_12.p).norm(), turned = angle_of(X_12.R.transpose() * weld.X_12.R);
+    if (apart <= kSamePlace * std::max(extent[first], weld.X_12.p.norm()) && turned <= kSamePlace) continue;
+    faulty[first] = true;
+    diagnostics_.warning(
+        "F338", weld.spec->name.at,
+        fmt::format("the weld '{}' does not fit the others of its rigid group, by {:.3g} mm and {:.3g} deg: the group "
+                    "is not merged",
+                    weld.spec->name.name, 1e3 * apart, turned * 180 / EIGEN_PI));
+  }
+  for (const JointSpec& spec : spec_->joints) {
+    if (spec.merge) continue;
+    std::array<int, 2> in = {-1, -2};
+    for (std::size_t i = 0; i < 2; ++i) {
+      const auto found = body_index_.find(spec.bodies[i].name);
+      if (found != body_index_.end()) in[i] = groups_[static_cast<std::size_t>(found->second)].first;
+    }
+    if (in[0] != in[1] || spec.bodies[0].name == spec.bodies[1].name) continue;
+    faulty[static_cast<std::size_t>(in[0])] = true;
+    diagnostics_.warning(
+        "F338", spec.name.at,
+        fmt::format("'{}' joins two parts of one rigid group: the group is not merged", spec.name.name));
+  }
+  return faulty;
+}
+
+/// Makes the specification that the rest is built from.
+void ModelAssembler::leave_out_merged_welds(const std::vector<GroupWeld>& welds, const std::vector<bool>& faulty) {
+  std::map<const JointSpec*, int> merged;
+  for (const GroupWeld& weld : welds) {
+    const int first = groups_[static_cast<std::size_t>(weld.bodies[0])].first;
+    if (!faulty[static_cast<std::size_t>(first)]) merged[weld.spec] = first;
+  }
+  for (std::size_t i = 0; i < groups_.size(); ++i) {
+    if (faulty[static_cast<std::size_t>(groups_[i].first)]) groups_[i] = {static_cast<int>(i), {}};
+  }
+  auto rest = std::make_shared<ModelSpec>(*spec_);
+  rest->joints.clear();
+  std::vector<int> places(spec_->joints.size() + spec_->lagrangian.coordinates.size(), -1);
+  for (std::size_t j = 0; j < spec_->joints.size(); ++j) {
+    const JointSpec& spec = spec_->joints[j];
+    const auto found = merged.find(&spec);
+    if (found != merged.end()) {
+      merged_welds_[found->second].push_back(spec.name.name);
+      continue;
+    }
+    places[j] = static_cast<int>(rest->joints.size());
+    rest->joints.push_back(spec);
+  }
+  for (std::size_t k = 0; k < spec_->lagrangian.coordinates.size(); ++k) {
+    places[spec_->joints.size() + k] = static_cast<int>(rest->joints.size() + k);
+  }
+  for (auto one = joint_index_.begin(); one != joint_index_.end();) {
+    const int place = places[static_cast<std::size_t>(one->second)];
+    if (place < 0) {
+      one = joint_index_.erase(one);
+    } else {
+      (one++)->second = place;
+    }
+  }
+  spec_ = std::move(rest);
+}
+
+void ModelAssembler::merge_welded_parts() {
+  const std::vector<GroupWeld> welds = place_merged_welds();
+  if (welds.empty()) return;
+  leave_out_merged_welds(welds, join_parts(welds));
+}
+
+/// One body of several: masses added up, inertias about the common mass centre.
+Body ModelAssembler::group_of(const std::vector<int>& members) {
+  Body group = body(BodyId(members.front()));
+  if (members.size() == 1) return group;
+  const auto place = [this](int member) -> const Pose& { return groups_[static_cast<std::size_t>(member)].X_BP; };
+  group.merged_welds = std::move(merged_welds_[members.front()]);
+  group.mass_kg = 0;
+  Vector3d moment = Vector3d::Zero();
+  for (const int member : members) {
+    const Body& part = body(BodyId(member));
+    group.parts.push_back({part.name, place(member)});
+    group.has_mass = group.has_mass && part.has_mass;
+    group.mass_kg += part.mass_kg;
+    moment += part.mass_kg * (place(member) * part.com_m);
+  }
+  group.com_m = group.mass_kg > 0 ? Vector3d(moment / group.mass_kg) : group.com_m;
+  group.inertia_kgm2.setZero();
+  for (const int member : members) {
+    const Body& part = body(BodyId(member));
+    const Vector3d c = place(member) * part.com_m - group.com_m;
+    group.inertia_kgm2 += rotate_inertia(part.inertia_kgm2, place(member).R) +
+                          part.mass_kg * (c.squaredNorm() * Matrix3d::Identity() - c * c.transpose());
+  }
+  return group;
+}
+
+/// Bodies become groups, and whatever stands on a part stands on its group.
+void ModelAssembler::put_groups_together() {
+  if (groups_.empty()) return;
+  std::vector<std::vector<int>> members(groups_.size());
+  for (std::size_t i = 0; i < groups_.size(); ++i) {
+    members[static_cast<std::size_t>(groups_[i].first)].push_back(static_cast<int>(i));
+  }
+  std::vector<Body> bodies;
+  std::vector<int> place(groups_.size(), 0);
+  for (const std::vector<int>& group : members) {
+    if (group.empty()) continue;
+    for (const int member : group) place[static_cast<std::size_t>(member)] = static_cast<int>(bodies.size());
+    bodies.push_back(group_of(group));
+  }
+  // The pose of what `id` named, which then names the group.
+  const auto move = [&](BodyId& id) -> const Pose& {
+    const auto part = static_cast<std::size_t>(id.index());
+    id = BodyId(place[part]);
+    return groups_[part].X_BP;
+  };
+  const auto move_frame = [&](BodyId& id, Pose& X) { X = move(id) * X; };
+  const auto move_point = [&](BodyId& id, Vector3d& p) { p = move(id) * p; };
+  for (Joint& joint : model_.joints_) {
+    move_frame(joint.first, joint.X_1F);
+    move_frame(joint.second, joint.X_2M);
+  }
+  for (ForceElement& force : model_.forces_) {
+    if (auto* spring = std::get_if<Spring>(&force.element)) {
+      move_point(spring->first, spring->point_1_m);
+      move_point(spring->second, spring->point_2_m);
+    } else if (auto* bushing = std::get_if<Bushing>(&force.element)) {
+      move_frame(bushing->first, bushing->X_1F);
+      move_frame(bushing->second, bushing->X_2M);
+    } else if (auto* load = std::get_if<Load>(&force.element)) {
+      const Pose& X = move(load->body);
+      load->point_m = X * load->point_m;
+      load->R_BP = X.R;
+    }
+  }
+  for (Drive& drive : model_.drives_) {
+    if (drive.kind != Drive::Kind::kDistance && drive.kind != Drive::Kind::kPoint) continue;
+    if (drive.first.valid()) move_point(drive.first, drive.point_1_m);
+    if (drive.second.valid()) move_point(drive.second, drive.point_2_m);
+  }
+  for (RecordedPoint& point : model_.records_) move_point(point.body, point.point_m);
+  model_.bodies_ = std::move(bodies);
+}
+
+}  // namespace ferrers
