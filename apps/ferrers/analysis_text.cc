@@ -36,13 +36,7 @@ std::string groups_text(const Model& model) {
     if (shown++ >= kMostListed) continue;
     std::vector<std::string> names;
     for (const Part& part : body.parts) names.push_back(part.name);
-    const std::size_t surplus = body.merged_welds.size() + 1 - names.size();
-    text += wrapped_text(
-        "   " + body.name + "  ",
-        fmt::format(
-            "{} parts: {}{}", names.size(), listed(names),
-            surplus > 0 ? fmt::format("; {} more than needed", counted(static_cast<long>(surplus), "weld")) : ""),
-        "     ");
+    text += wrapped_text("   " + body.name + "  ", fmt::format("{} parts: {}", names.size(), listed(names)), "     ");
   }
   if (groups == 0) return "";
   if (shown > kMostListed) text += fmt::format("   and {} more (--json lists all)\n", shown - kMostListed);

@@ -78,7 +78,6 @@ const std::vector<DiagnosticCode>& diagnostic_codes() {
       {"F335", "viscous friction"},
       {"F336", "constraint"},
       {"F337", "energies of a Lagrangian system"},
-      {"F338", "rigid group that is not merged"},
       {"F401", "formula cannot be read"},
       {"F402", "unknown function in a formula"},
       {"F403", "unknown name in a formula"},

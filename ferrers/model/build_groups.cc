@@ -7,15 +7,54 @@
 #include "ferrers/model/mass_properties.h"
 
 /// Rigid groups: bodies that welds with `merge` hold are one body of the model. Poses follow the welds from the first
-/// body of a group. A group is left as it is drawn, welds and all, where merging would hide something: a weld too many
-/// that does not fit the others, or another joint between two of its parts.
+/// body of a group. A weld in a loop of welds stays a joint: it shares its loads with the others, and may not fit them.
 namespace ferrers {
 namespace {
 
-/// Rounded input: what places may differ by along two ways, relative to the group's extent; rad.
-constexpr double kSamePlace = 1e-5;
-
-double angle_of(const Matrix3d& R) { return rotation_log(R).norm(); }
+/// For each link, whether leaving it out would part what it joins. Depth first, without recursion (Tarjan).
+std::vector<bool> find_bridges(int bodies, const std::vector<std::array<int, 2>>& links) {
+  std::vector<std::vector<int>> at(static_cast<std::size_t>(bodies));
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    for (const int body : links[i]) at[static_cast<std::size_t>(body)].push_back(static_cast<int>(i));
+  }
+  struct Visit {
+    int body, by;          // the link that led there
+    std::size_t next = 0;  // of its links
+  };
+  std::vector<bool> bridge(links.size(), false);
+  std::vector<int> order(static_cast<std::size_t>(bodies), -1), low = order;
+  int count = 0;
+  for (int start = 0; start < bodies; ++start) {
+    if (order[static_cast<std::size_t>(start)] >= 0) continue;
+    std::vector<Visit> way = {{start, -1}};
+    order[static_cast<std::size_t>(start)] = low[static_cast<std::size_t>(start)] = count++;
+    while (!way.empty()) {
+      Visit& here = way.back();
+      const auto body = static_cast<std::size_t>(here.body);
+      if (here.next < at[body].size()) {
+        const int by = at[body][here.next++];
+        if (by == here.by) continue;
+        const std::array<int, 2>& link = links[static_cast<std::size_t>(by)];
+        const int other = link[0] == here.body ? link[1] : link[0];
+        const auto there = static_cast<std::size_t>(other);
+        if (order[there] >= 0) {
+          low[body] = std::min(low[body], order[there]);
+        } else {
+          order[there] = low[there] = count++;
+          way.push_back({other, by});
+        }
+        continue;
+      }
+      const Visit done = here;
+      way.pop_back();
+      if (way.empty()) break;
+      const auto before = static_cast<std::size_t>(way.back().body);
+      low[before] = std::min(low[before], low[body]);
+      bridge[static_cast<std::size_t>(done.by)] = low[body] > order[before];
+    }
+  }
+  return bridge;
+}
 
 }  // namespace
 
@@ -42,15 +81,14 @@ std::vector<GroupWeld> ModelAssembler::place_merged_welds() {
   return welds;
 }
 
-/// Finds the groups and the poses in them. True for each body whose group must not be merged.
-std::vector<bool> ModelAssembler::join_parts(const std::vector<GroupWeld>& welds) {
+/// Groups and the poses in them, as these welds make them.
+void ModelAssembler::follow_welds(const std::vector<GroupWeld>& welds) {
   const std::size_t count = model_.bodies_.size();
   std::vector<std::vector<std::size_t>> held(count);
   for (std::size_t w = 0; w < welds.size(); ++w) {
     for (const int body : welds[w].bodies) held[static_cast<std::size_t>(body)].push_back(w);
   }
   groups_.assign(count, {-1, {}});
-  std::vector<double> extent(count, 0);
   for (std::size_t first = 0; first < count; ++first) {
     if (groups_[first].first >= 0) continue;
     groups_[first] = {static_cast<int>(first), {}};
@@ -61,53 +99,40 @@ std::vector<bool> ModelAssembler::join_parts(const std::vector<GroupWeld>& welds
         const bool forward = welds[w].bodies[0] == static_cast<int>(at);
         const auto next = static_cast<std::size_t>(welds[w].bodies[forward ? 1 : 0]);
         if (groups_[next].first >= 0) continue;
-        const Pose step = forward ? welds[w].X_12 : welds[w].X_12.inverse();
-        groups_[next] = {static_cast<int>(first), groups_[at].X_BP * step};
-        extent[first] = std::max(extent[first], groups_[next].X_BP.p.norm());
+        groups_[next] = {static_cast<int>(first),
+                         groups_[at].X_BP * (forward ? welds[w].X_12 : welds[w].X_12.inverse())};
         reached.push_back(next);
       }
     }
   }
-  std::vector<bool> faulty(count, false);
-  for (const GroupWeld& weld : welds) {
-    const GroupPlace &a = groups_[static_cast<std::size_t>(weld.bodies[0])],
-                     &b = groups_[static_cast<std::size_t>(weld.bodies[1])];
-    const auto first = static_cast<std::size_t>(a.first);
-    const Pose X_12 = a.X_BP.inverse() * b.X_BP;
-    const double apart = (X_12.p - weld.X_12.p).norm(), turned = angle_of(X_12.R.transpose() * weld.X_12.R);
-    if (apart <= kSamePlace * std::max(extent[first], weld.X_12.p.norm()) && turned <= kSamePlace) continue;
-    faulty[first] = true;
-    diagnostics_.warning(
-        "F338", weld.spec->name.at,
-        fmt::format("the weld '{}' does not fit the others of its rigid group, by {:.3g} mm and {:.3g} deg: the group "
-                    "is not merged",
-                    weld.spec->name.name, 1e3 * apart, turned * 180 / EIGEN_PI));
-  }
+}
+
+/// Those that no loop of welds, or of welds and other joints of one group, goes through: only these are merged, or a
+/// redundancy would be hidden.
+std::vector<GroupWeld> ModelAssembler::welds_outside_loops(const std::vector<GroupWeld>& welds) {
+  follow_welds(welds);
+  std::vector<std::array<int, 2>> links;
+  for (const GroupWeld& weld : welds) links.push_back(weld.bodies);
   for (const JointSpec& spec : spec_->joints) {
     if (spec.merge) continue;
-    std::array<int, 2> in = {-1, -2};
-    for (std::size_t i = 0; i < 2; ++i) {
-      const auto found = body_index_.find(spec.bodies[i].name);
-      if (found != body_index_.end()) in[i] = groups_[static_cast<std::size_t>(found->second)].first;
-    }
-    if (in[0] != in[1] || spec.bodies[0].name == spec.bodies[1].name) continue;
-    faulty[static_cast<std::size_t>(in[0])] = true;
-    diagnostics_.warning(
-        "F338", spec.name.at,
-        fmt::format("'{}' joins two parts of one rigid group: the group is not merged", spec.name.name));
+    const auto a = body_index_.find(spec.bodies[0].name), b = body_index_.find(spec.bodies[1].name);
+    if (a == body_index_.end() || b == body_index_.end()) continue;
+    const auto group = [this](int body) { return groups_[static_cast<std::size_t>(body)].first; };
+    if (group(a->second) == group(b->second)) links.push_back({a->second, b->second});
   }
-  return faulty;
+  const std::vector<bool> bridges = find_bridges(static_cast<int>(model_.bodies_.size()), links);
+  std::vector<GroupWeld> outside;
+  for (std::size_t w = 0; w < welds.size(); ++w) {
+    if (bridges[w]) outside.push_back(welds[w]);
+  }
+  return outside;
 }
 
 /// Makes the specification that the rest is built from.
-void ModelAssembler::leave_out_merged_welds(const std::vector<GroupWeld>& welds, const std::vector<bool>& faulty) {
+void ModelAssembler::leave_out(const std::vector<GroupWeld>& welds) {
   std::map<const JointSpec*, int> merged;
   for (const GroupWeld& weld : welds) {
-    const int first = groups_[static_cast<std::size_t>(weld.bodies[0])].first;
-    if (!faulty[static_cast<std::size_t>(first)]) merged[weld.spec] = first;
-  }
-  for (std::size_t i = 0; i < groups_.size(); ++i) {
-    if (faulty[static_cast<std::size_t>(groups_[i].first)]) groups_[i] = {static_cast<int>(i), {}};
+    merged[weld.spec] = groups_[static_cast<std::size_t>(weld.bodies[0])].first;
   }
   auto rest = std::make_shared<ModelSpec>(*spec_);
   rest->joints.clear();
@@ -139,7 +164,9 @@ void ModelAssembler::leave_out_merged_welds(const std::vector<GroupWeld>& welds,
 void ModelAssembler::merge_welded_parts() {
   const std::vector<GroupWeld> welds = place_merged_welds();
   if (welds.empty()) return;
-  leave_out_merged_welds(welds, join_parts(welds));
+  const std::vector<GroupWeld> merged = welds_outside_loops(welds);
+  follow_welds(merged);
+  leave_out(merged);
 }
 
 /// One body of several: masses added up, inertias about the common mass centre.

@@ -101,35 +101,42 @@ TEST(BuildGroupsTest, WhatStandsOnAPartStandsOnTheGroup) {
   EXPECT_LT((pushed.R_BP * Point::UnitZ() - Point::UnitX()).norm(), 1e-15);
 }
 
-TEST(BuildGroupsTest, AWeldTooManyThatFitsIsMergedToo) {
+/// The same with a lid welded to the last box.
+ModelSpec with_lid() {
   ModelSpec spec = three_boxes();
+  spec.bodies.push_back(box_body("lid", {3, 1, 0}, {1, 1, 0.1}, 1));
+  spec.joints.push_back(merged("cap", "c", "lid"));
+  return spec;
+}
+
+TEST(BuildGroupsTest, WeldsInALoopOfWeldsStayJoints) {
+  ModelSpec spec = with_lid();
   spec.joints.push_back(merged("ac", "a", "c"));
   const Model model = built(spec);
-  EXPECT_EQ(model.bodies().size(), 2u);
-  EXPECT_THAT(model.bodies()[1].merged_welds, ElementsAre("ab", "bc", "ac"));
+  ASSERT_EQ(model.bodies().size(), 4u);  // ground, a, b, c with the lid
+  EXPECT_EQ(model.joints().size(), 4u);
+  EXPECT_THAT(part_names(model.bodies()[3]), ElementsAre("c", "lid"));
+  EXPECT_TRUE(model.find_joint("ac"));
+  EXPECT_FALSE(model.find_joint("cap"));
 }
 
-TEST(BuildGroupsTest, AWeldThatDoesNotFitLeavesTheGroupAsItIsDrawn) {
+TEST(BuildGroupsTest, TwoWeldsBetweenTheSamePartsStayJoints) {
   ModelSpec spec = three_boxes();
-  spec.joints.push_back(merged("ac", "a", "c"));
-  spec.joints.back().place = {};
-  spec.joints.back().frames = {pose_spec({Matrix3d::Identity(), Point(2, 0, 0.01)}), pose_spec({})};
-  const ModelBuildResult result = build_model(spec);
-  ASSERT_TRUE(result.model);
-  EXPECT_EQ(result.model->bodies().size(), 4u);
-  EXPECT_EQ(result.model->joints().size(), 4u);
-  EXPECT_THAT(messages(result.diagnostics),
-              HasSubstr("F338: the weld 'bc' does not fit the others of its rigid group, by 10 mm"));
+  spec.joints.push_back(merged("ab_2", "b", "a"));
+  const Model model = built(spec);
+  EXPECT_EQ(model.bodies().size(), 3u);
+  EXPECT_TRUE(model.find_joint("ab"));
+  EXPECT_TRUE(model.find_joint("ab_2"));
 }
 
-TEST(BuildGroupsTest, AJointBetweenTwoPartsOfAGroupLeavesItAsItIsDrawn) {
-  ModelSpec spec = three_boxes();
+TEST(BuildGroupsTest, WeldsBesideAnotherJointOfTheirGroupStayJoints) {
+  ModelSpec spec = with_lid();
   spec.joints.push_back(joint(JointType::kRevolute, "hinge", "a", "c", Point::Zero()));
-  const ModelBuildResult result = build_model(spec);
-  ASSERT_TRUE(result.model);
-  EXPECT_EQ(result.model->joints().size(), 4u);
-  EXPECT_THAT(result.model->bodies()[1].parts, IsEmpty());
-  EXPECT_THAT(messages(result.diagnostics), HasSubstr("'hinge' joins two parts of one rigid group"));
+  const Model model = built(spec);
+  EXPECT_EQ(model.bodies().size(), 4u);
+  EXPECT_TRUE(model.find_joint("ab"));
+  EXPECT_TRUE(model.find_joint("bc"));
+  EXPECT_FALSE(model.find_joint("cap"));
 }
 
 TEST(BuildGroupsTest, OnlyPlainWeldsCanBeMerged) {

@@ -107,8 +107,9 @@ class ModelAssembler {
   // build_groups.cc
   void merge_welded_parts();
   std::vector<GroupWeld> place_merged_welds();
-  std::vector<bool> join_parts(const std::vector<GroupWeld>& welds);
-  void leave_out_merged_welds(const std::vector<GroupWeld>& welds, const std::vector<bool>& faulty);
+  void follow_welds(const std::vector<GroupWeld>& welds);
+  std::vector<GroupWeld> welds_outside_loops(const std::vector<GroupWeld>& welds);
+  void leave_out(const std::vector<GroupWeld>& welds);
   void put_groups_together();
   Body group_of(const std::vector<int>& members);
 

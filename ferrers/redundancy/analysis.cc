@@ -175,10 +175,12 @@ std::vector<ReactionUniqueness> judge_reactions(const System& system, const AllR
 
 void fill_counts(const System& system, RedundancyReport& report) {
   const Topology& t = *system.topology;
-  report.bodies = t.moving_bodies;
-  report.joints = static_cast<int>(system.model->coordinates_begin());
+  int merged = 0;  // welds; as many parts are no bodies of the model any more
+  for (const Body& body : system.model->bodies()) merged += static_cast<int>(body.merged_welds.size());
+  report.bodies = t.moving_bodies + merged;
+  report.joints = static_cast<int>(system.model->coordinates_begin()) + merged;
   report.coordinates = t.general_coordinates;
-  report.constraint_rows = t.joint_rows;
+  report.constraint_rows = t.joint_rows + 6 * merged;
   report.grubler = t.grubler();
   report.closure_coordinates = system.nv;
   report.closure_rows = system.m;
