@@ -100,6 +100,23 @@ TEST_F(CommandTest, WeldsThatAreKeptBearReactions) {
   for (const auto& [t, value] : a) EXPECT_NEAR(value, b.at(t), 1e-7 * (1 + std::abs(value))) << t;
 }
 
+TEST_F(CommandTest, WhatARunLeavesInItsFolderHasTheWeldsThatWereKept) {
+  write("parts.urdf", kParts);
+  run({"convert", "parts.urdf", "-o", "parts.yaml"});
+  run({"simulate", "parts.yaml", "--end", "0.1", "-o", "merged"});
+  run({"simulate", "parts.yaml", "--end", "0.1", "-o", "kept", "--welds", "keep"});
+  EXPECT_THAT(read_text(folder_ / "merged/model.yaml"), HasSubstr("merge: true"));
+  EXPECT_THAT(read_text(folder_ / "kept/model.yaml"), Not(HasSubstr("merge: true")));
+}
+
+TEST_F(CommandTest, ShapesThatAreNotWrittenAreTold) {
+  const Result native = run({"convert", kArms, "-o", "arms.yaml"});
+  EXPECT_THAT(native.errors, HasSubstr("2 shapes of bodies"));
+  const Result urdf = run({"convert", kArms, "-o", "arms.urdf"});
+  EXPECT_THAT(urdf.errors, Not(HasSubstr("shapes of bodies")));
+  EXPECT_THAT(read_text(folder_ / "arms.urdf"), HasSubstr("package://two/b.stl"));
+}
+
 TEST_F(CommandTest, NamesThatHadToChangeAreTold) {
   write("parts.urdf", kParts);
   EXPECT_THAT(run({"analyze", "parts.urdf"}).errors, HasSubstr("'imu-frame' is 'imu_frame'"));
@@ -118,6 +135,45 @@ TEST_F(CommandTest, MeshesThatAreNotThereAreOneNotice) {
   const Result result = run({"analyze", "r.urdf"});
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_THAT(result.errors, HasSubstr("2 files of shapes cannot be found, 'gone_too.stl' first"));
+}
+
+TEST_F(CommandTest, AFileIsKnownByWhatItBeginsWithWhereItsEndingSaysNothing) {
+  write("parts.bak", kParts);
+  write("assembly.txt", read_text(kAssembly));
+  EXPECT_EQ(run({"analyze", "parts.bak", "--json"}).json().at("bodies"), 5);
+  EXPECT_EQ(run({"analyze", "assembly.txt", "--json"}).json().at("redundant"), 3);
+}
+
+TEST_F(CommandTest, AFileOfClosuresThatIsNamedMustBeOne) {
+  write("parts.urdf", kParts);
+  write("other.yaml", "hinges: 3\n");
+  const Result named = run({"analyze", "parts.urdf", "--closures", "other.yaml"});
+  EXPECT_EQ(named.exit_code, 3);
+  EXPECT_THAT(named.errors, HasSubstr("'other.yaml' is no file of closures"));
+  write("parts.yaml", "hinges: 3\n");  // beside it by chance
+  EXPECT_EQ(run({"analyze", "parts.urdf"}).exit_code, 0);
+}
+
+TEST_F(CommandTest, AnAssemblyThatWasCutOffIsRefused) {
+  const std::string whole = read_text(kAssembly);
+  for (const double share : {0.1, 0.25, 0.5, 0.8, 0.9}) {
+    write("cut.asmt", whole.substr(0, static_cast<std::size_t>(share * static_cast<double>(whole.size()))));
+    const Result result = run({"analyze", "cut.asmt"});
+    EXPECT_EQ(result.exit_code, 3) << share << result.output;
+  }
+}
+
+TEST_F(CommandTest, NumbersBeyondAllBoundsAreRefusedInEveryFormat) {
+  write("far.urdf",
+        "<robot name='r'><link name='a'/><link name='b'/><joint name='j' type='continuous'><origin xyz='0 1e160 0'/>"
+        "<parent link='a'/><child link='b'/></joint></robot>");
+  write("far.xml",
+        "<mujoco><worldbody><body name='b' pos='0 1e160 0'><joint/><geom size='1'/></body></worldbody></mujoco>");
+  for (const char* file : {"far.urdf", "far.xml"}) {
+    const Result result = run({"analyze", file});
+    EXPECT_EQ(result.exit_code, 3);
+    EXPECT_THAT(result.errors, HasSubstr("F338"));
+  }
 }
 
 TEST_F(CommandTest, ABrokenFileHasLineAndColumn) {
@@ -152,6 +208,28 @@ TEST_F(CommandTest, NoisyGeometryIsMadeConsistentWhereAskedAndToldEverywhere) {
               HasSubstr("notice[F515]"));
 }
 
+TEST_F(CommandTest, ParameterValuesOutliveConsistentGeometry) {
+  std::string text = kNoisy;
+  text.insert(text.find("bodies:"), "parameters:\n  m: 1\n");
+  text.replace(text.find("mass: 1"), 7, "mass: = m");
+  write("noisy.yaml", text);
+  EXPECT_EQ(
+      run({"convert", "noisy.yaml", "-p", "m=5", "--snap", "--geometric-tolerance", "1e-5", "-o", "m.yaml"}).exit_code,
+      0);
+  EXPECT_THAT(read_text(folder_ / "m.yaml"), HasSubstr("m: 5"));
+  const std::vector<std::string> common = {"--geometric-tolerance", "1e-5", "--end", "0.1"};
+  const auto energy = [&](const std::vector<std::string>& more, const std::string& folder) {
+    std::vector<std::string> arguments = {"simulate", "noisy.yaml", "-o", folder};
+    arguments.insert(arguments.end(), common.begin(), common.end());
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Result result = run(arguments);
+    EXPECT_EQ(result.exit_code, 0) << result.errors;
+    return read_text(folder_ / folder / "result.csv");
+  };
+  const std::string light = energy({}, "light"), heavy = energy({"-p", "m=5"}, "heavy");
+  EXPECT_NE(light, heavy);
+}
+
 TEST_F(CommandTest, SnappedGeometryIsExactAndEveryMoveIsTold) {
   write("noisy.yaml", kNoisy);
   const Result result = run({"convert", "noisy.yaml", "-o", "exact.yaml", "--snap", "--geometric-tolerance", "1e-5"});
@@ -167,7 +245,7 @@ TEST_F(CommandTest, SnappedGeometryIsExactAndEveryMoveIsTold) {
 // convert
 
 TEST_F(CommandTest, ConvertedToTheNativeFormatItIsTheSameMechanism) {
-  for (const std::string& file : {kAssembly, kFourBar, kArms}) {
+  for (const std::string& file : {kAssembly, kFourBar, kArms, (kFormats / "mjcf/every-joint.xml").string()}) {
     const Result result = run({"convert", file, "-o", "native.yaml", "--force"});
     EXPECT_EQ(result.exit_code, 0) << result.errors;
     EXPECT_THAT(result.output, HasSubstr("wrote native.yaml (native)"));
@@ -207,6 +285,32 @@ TEST_F(CommandTest, ConvertReplacesAFileOnlyWhereItIsTold) {
   EXPECT_EQ(read_text(folder_ / "there.yaml"), "mine\n");
   EXPECT_EQ(run({"convert", kFourBar, "-o", "there.yaml", "--force"}).exit_code, 0);
   EXPECT_THAT(read_text(folder_ / "there.yaml"), HasSubstr("ferrers: 1"));
+}
+
+TEST_F(CommandTest, NoisyNumbersAreWarnedAboutWhenTheyAreConvertedAsTheyAre) {
+  write("noisy.yaml", kNoisy);
+  const std::vector<std::string> noisy = {"convert", "noisy.yaml", "--geometric-tolerance", "1e-5", "-o", "as-is.yaml"};
+  EXPECT_THAT(run(noisy).errors, HasSubstr("warning[F515]"));
+  EXPECT_THAT(run({"convert", kAssembly, "-o", "exact.yaml"}).errors, Not(HasSubstr("warning[F515]")));
+}
+
+TEST_F(CommandTest, ClosuresOfAnotherModelDoNotStayBesideAWrittenOne) {
+  const std::string closed = (kExamples / "four-bar/model.yaml").string(),
+                    open = (kExamples / "arm-path/model.yaml").string();
+  EXPECT_EQ(run({"convert", closed, "-o", "m.urdf"}).exit_code, 0);
+  fs::remove(folder_ / "m.urdf");
+  const Result refused = run({"convert", open, "-o", "m.urdf"});
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.errors, HasSubstr("m.closures.yaml"));
+  EXPECT_EQ(run({"convert", open, "-o", "m.urdf", "--force"}).exit_code, 0);
+  EXPECT_FALSE(fs::exists(folder_ / "m.closures.yaml"));
+  EXPECT_EQ(run({"analyze", "m.urdf"}).exit_code, 0);
+}
+
+TEST_F(CommandTest, AUrdfThatStartsElsewhereIsWarnedAbout) {
+  EXPECT_THAT(run({"convert", kAssembly, "-o", "a.urdf"}).errors, HasSubstr("joints start at zero"));
+  EXPECT_THAT(run({"convert", (kExamples / "four-bar/model.yaml").string(), "-o", "b.urdf"}).errors,
+              Not(HasSubstr("start")));
 }
 
 TEST_F(CommandTest, ConvertTellsInJsonWhatItDid) {

@@ -67,6 +67,28 @@ void tell_moves(const LoadedModel& loaded) {
   }
 }
 
+/// The native format takes numbers at their word.
+void tell_noise(const ConvertOptions& options, LoadedModel& loaded) {
+  LoadedModel treated = loaded;
+  make_geometry_consistent(options, treated);
+  if (!treated.geometry || !treated.geometry->spec) return;
+  loaded.diagnostics.warning("F515", {},
+                             fmt::format("the numbers are good to {:.2g} only, and are written as they are: in the "
+                                         "native format they would be taken at their word",
+                                         treated.geometry->tolerance),
+                             "--snap moves the joints to where they are exact");
+  print_new_diagnostic(loaded);
+}
+
+/// A file of closures from before that the model's file would be read with.
+std::string stale_closures(const std::vector<WrittenFile>& files) {
+  if (files.size() != 1 || format_of(files[0].name, "") != ModelFormat::kUrdf) return "";
+  std::filesystem::path beside = files[0].name;
+  beside.replace_extension(".closures.yaml");
+  std::error_code ignored;
+  return std::filesystem::exists(beside, ignored) ? beside.string() : "";
+}
+
 int convert(const ConvertOptions& options) {
   const ModelFormat format = target(options);
   if (options.json && options.output.empty())
@@ -79,10 +101,13 @@ int convert(const ConvertOptions& options) {
   if (options.snap) {
     make_geometry_consistent(options, loaded);
     tell_moves(loaded);
+  } else if (format == ModelFormat::kNative) {
+    tell_noise(options, loaded);
   }
   if (const std::string error = write_model_if_asked(options, loaded); !error.empty()) return command_line_error(error);
   Diagnostics told(options.file);
-  const std::vector<WrittenFile> files = write_any_model(edited_spec(options, loaded), format, options.output, told);
+  const std::vector<WrittenFile> files =
+      write_any_model(edited_spec(options, loaded), format, options.output, loaded.visuals, told);
   print_diagnostics(told, loaded.source);
   loaded.diagnostics.append(told);
   if (told.has_errors()) return kExitModel;
@@ -96,6 +121,14 @@ int convert(const ConvertOptions& options) {
     if (std::filesystem::exists(file.name, ignored) && !options.force) {
       return command_line_error(fmt::format("'{}' exists; --force replaces it", file.name));
     }
+  }
+  if (const std::string stale = stale_closures(files); !stale.empty()) {
+    if (!options.force) {
+      return command_line_error(
+          fmt::format("'{}' exists, and would close loops of this model; --force removes it", stale));
+    }
+    std::error_code ignored;
+    std::filesystem::remove(stale, ignored);
   }
   for (const WrittenFile& file : files) {
     if (const std::string error = write_file_whole(file.name, file.text); !error.empty())

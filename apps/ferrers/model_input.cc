@@ -170,6 +170,9 @@ void add_model_options(CLI::App& verb, ModelOptions& options) {
   verb.add_option("--geometric-tolerance", options.geometric_tolerance,
                   "what its numbers are good to, relative to its size, and rad; else 0, of CAD files 1e-6, others 1e-5")
       ->check(CLI::Range(0.0, 1e-2))
+      ->check([](const std::string& text) {
+        return text.find_first_of("nN") == std::string::npos ? "" : "must be a number";
+      })
       ->type_name("X")
       ->group("Files of other programs");
   verb.add_flag("--json", options.json, "print one JSON object instead of text");
@@ -180,7 +183,7 @@ LoadedModel load_model(const ModelOptions& options) {
   make_geometry_consistent(options, loaded);
   if (!loaded.geometry || loaded.geometry->text.empty()) return loaded;
   loaded.diagnostics.notice("F515", {}, loaded.geometry->text);
-  print_diagnostic(loaded.diagnostics.items().back(), loaded.diagnostics.file(), loaded.source);
+  print_new_diagnostic(loaded);
   return loaded;
 }
 
@@ -189,10 +192,9 @@ void make_geometry_consistent(const ModelOptions& options, LoadedModel& loaded) 
   const double tolerance = options.geometric_tolerance.value_or(usual_geometric_tolerance(loaded.format));
   if (tolerance <= 0) return;
   loaded.geometry = find_consistent_geometry(*loaded.model, tolerance);
-  if (loaded.geometry->spec) {
-    ModelBuildResult built = build_model(*loaded.geometry->spec);
-    loaded.model = std::make_shared<const Model>(std::move(*built.model));
-  }
+  if (!loaded.geometry->model) return;
+  loaded.model = loaded.geometry->model;
+  loaded.as_read = false;
 }
 
 LoadedModel load_model_as_written(const ModelOptions& options) {
@@ -205,6 +207,9 @@ LoadedModel load_model_as_written(const ModelOptions& options) {
   loaded.source = std::move(file.read.source);
   loaded.format = file.format;
   loaded.renamed = std::move(file.renamed);
+  loaded.visuals = std::move(file.visuals);
+  loaded.as_read = loaded.format == ModelFormat::kNative && options.parameters.empty() && options.edits.empty() &&
+                   !options.import.keep_welds;
   if (file.read.model) loaded.model = std::make_shared<const Model>(std::move(*file.read.model));
   tell_renamed(loaded);
   print_diagnostics(loaded.diagnostics, loaded.source);
@@ -215,9 +220,13 @@ void print_diagnostics(const Diagnostics& diagnostics, std::string_view source) 
   for (const Diagnostic& one : diagnostics.items()) print_diagnostic(one, diagnostics.file(), source);
 }
 
+void print_new_diagnostic(const LoadedModel& loaded) {
+  print_diagnostic(loaded.diagnostics.items().back(), loaded.diagnostics.file(), loaded.source);
+}
+
 void report(LoadedModel& loaded, std::string_view code, SourceRange at, std::string message, std::string hint) {
   loaded.diagnostics.error(code, at, std::move(message), std::move(hint));
-  print_diagnostic(loaded.diagnostics.items().back(), loaded.diagnostics.file(), loaded.source);
+  print_new_diagnostic(loaded);
 }
 
 ModelSpec edited_spec(const ModelOptions& options, const LoadedModel& loaded) {
@@ -235,8 +244,7 @@ ModelSpec edited_spec(const ModelOptions& options, const LoadedModel& loaded) {
 }
 
 std::string model_text(const ModelOptions& options, const LoadedModel& loaded) {
-  const bool as_read = loaded.format == ModelFormat::kNative && !options.changed();
-  return as_read ? loaded.source : write_model(edited_spec(options, loaded));
+  return loaded.as_read ? loaded.source : write_model(edited_spec(options, loaded));
 }
 
 std::string write_model_if_asked(const ModelOptions& options, const LoadedModel& loaded) {
@@ -266,7 +274,7 @@ void report_masses(LoadedModel& loaded, const std::vector<std::string>& bodies) 
     const std::optional<BodyId> whole = loaded.model->find_body(body.name.name);
     for (const std::string& name : bodies) {
       if (body.mass || !whole || loaded.model->body(*whole).name != name) continue;
-      report(loaded, "F504", body.name.at, fmt::format("body '{}' has no mass, which dynamics needs", name),
+      report(loaded, "F504", body.name.at, fmt::format("body '{}' has no mass, which dynamics needs", body.name.name),
              "give it a 'mass' and 'com'; zero is a mass as well");
     }
   }

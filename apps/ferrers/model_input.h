@@ -22,8 +22,6 @@ struct ModelOptions {
   /// Relative; absent: what numbers of the file's format are good to.
   std::optional<double> geometric_tolerance;
   bool json = false;
-
-  bool changed() const { return !parameters.empty() || !edits.empty(); }
 };
 
 /// MODEL, -p, --set, --write-model, --base, --ignore, --closures, --geometric-tolerance, --json.
@@ -37,7 +35,9 @@ struct LoadedModel {
   ferrers::Diagnostics diagnostics;
   std::string source;
   ferrers::ModelFormat format = ferrers::ModelFormat::kNative;
+  bool as_read = true;                         ///< The text of the file says all of the model.
   std::vector<ferrers::RenamedThing> renamed;  ///< Names of a foreign file that had to change.
+  std::vector<ferrers::VisualShape> visuals;
   /// What was done about numbers that are good to a tolerance only; empty where it was 0 or the model has errors.
   std::optional<ferrers::ConsistentGeometry> geometry;
 };
@@ -53,6 +53,7 @@ void make_geometry_consistent(const ModelOptions& options, LoadedModel& loaded);
 
 /// Prints diagnostics to stderr; `source` is the text of their file.
 void print_diagnostics(const ferrers::Diagnostics& diagnostics, std::string_view source);
+void print_new_diagnostic(const LoadedModel& loaded);  ///< The last one.
 
 /// Adds and prints one more.
 void report(LoadedModel& loaded, std::string_view code, ferrers::SourceRange at, std::string message,

@@ -43,14 +43,14 @@ OutputFolder::OutputFolder(const std::string& folder, const std::string& verb, s
                            const ModelOptions& options, const LoadedModel& loaded)
     : options_(options), loaded_(loaded), result_(std::move(result)) {
   path_ = folder.empty() ? fs::path("out") / folder_name(loaded.model->name() + "-" + verb) : fs::path(folder);
-  const bool json = fs::path(options.file).extension() == ".json" && !options.changed();
+  const bool json = fs::path(options.file).extension() == ".json" && loaded.as_read;
   model_file_ = json ? "model.json" : "model.yaml";
   std::error_code ignored;
   holds_model_ = fs::equivalent(path_ / model_file_, options.file, ignored);
 }
 
 std::string OutputFolder::refusal() const {
-  if (holds_model_ && options_.changed()) {
+  if (holds_model_ && !loaded_.as_read) {
     return fmt::format("the folder '{}' holds the model file itself; take another -o", path_.string());
   }
   std::error_code ignored;

@@ -78,6 +78,7 @@ const std::vector<DiagnosticCode>& diagnostic_codes() {
       {"F335", "viscous friction"},
       {"F336", "constraint"},
       {"F337", "energies of a Lagrangian system"},
+      {"F338", "number beyond all bounds"},
       {"F401", "formula cannot be read"},
       {"F402", "unknown function in a formula"},
       {"F403", "unknown name in a formula"},

@@ -139,6 +139,12 @@ void free_loose_parts(AsmtImport& import) {
 }
 
 void read_assembly(const AsmtRecord& assembly, AsmtImport& import) {
+  for (const std::string_view name : {"Parts", "ConstraintSets", "ConstantGravity"}) {  // in this order in every file
+    if (assembly.child(name)) continue;
+    import.diagnostics.error("F202", assembly.at(), fmt::format("'Assembly' has no '{}'", name),
+                             "the file may have been cut off");
+    return;
+  }
   import.shared_prefix = shared_prefix(assembly);
   if (import.context.options.base != ImportBase::kAsInFile) {
     import.diagnostics.warning("F601", assembly.at(), "what is fixed to ground is said by joints of the file alone");

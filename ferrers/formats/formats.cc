@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <map>
 #include <set>
 #include <string>
 #include <utility>
@@ -70,6 +69,11 @@ std::optional<fs::path> closures_beside(const fs::path& model) {
   return std::nullopt;
 }
 
+ReadModelOptions with_welds(ReadModelOptions options, const ImportOptions& import) {
+  options.keep_welds = options.keep_welds || import.keep_welds;
+  return options;
+}
+
 /// Whether the file of a shape is there: beside the model, or in a package that holds the model.
 bool mesh_is_there(const fs::path& folder, std::string mesh) {
   bool in_package = false;
@@ -107,20 +111,7 @@ void append_sorted(Diagnostics& to, const Diagnostics& more) {
   to.sort_by_place();
 }
 
-void keep_welds(ModelReadResult& read) {
-  const auto merges = [](const JointSpec& joint) { return joint.merge; };
-  if (!read.model || std::none_of(read.spec.joints.begin(), read.spec.joints.end(), merges)) return;
-  keep_welds(read.spec);
-  std::map<std::string, double> values;
-  for (const Parameter& one : read.model->parameters()) values[one.name] = one.value;
-  read.model = build_model(read.spec, values).model;
-}
-
 }  // namespace
-
-void keep_welds(ModelSpec& spec) {
-  for (JointSpec& joint : spec.joints) joint.merge = false;
-}
 
 std::string_view format_name(ModelFormat format) { return entry(format).name; }
 
@@ -135,7 +126,10 @@ ModelFormat format_of(const fs::path& path, std::string_view text) {
   for (const FormatEntry& one : entries()) {
     if (std::find(one.endings.begin(), one.endings.end(), ending) != one.endings.end()) return one.format;
   }
-  if (ending != ".xml") return ModelFormat::kNative;
+  const std::size_t begins = text.find_first_not_of("\xEF\xBB\xBF \t\r\n");
+  const std::string_view contents = begins == std::string_view::npos ? "" : text.substr(begins);
+  if (contents.rfind("OndselSolver", 0) == 0 || contents.rfind("freeCAD:", 0) == 0) return ModelFormat::kAsmt;
+  if (ending != ".xml" && contents.rfind('<', 0) != 0) return ModelFormat::kNative;
   std::size_t first = std::string_view::npos;
   ModelFormat found = ModelFormat::kMjcf;
   for (const FormatEntry& one : entries()) {
@@ -150,8 +144,7 @@ ModelFile read_any_model_text(std::string text, std::string name, ModelFormat fo
   ModelFile file;
   file.format = format;
   if (format == ModelFormat::kNative) {
-    file.read = read_model_text(std::move(text), std::move(name), options);
-    if (import.keep_welds) keep_welds(file.read);
+    file.read = read_model_text(std::move(text), std::move(name), with_welds(options, import));
     return file;
   }
   file.read.source = std::move(text);
@@ -187,13 +180,13 @@ ModelFile read_any_model_file(const fs::path& path, const ReadModelOptions& opti
   const ModelFormat format = format_of(path, *text);
   if (format == ModelFormat::kNative) {
     ModelFile file;
-    file.read = read_model_file(path, options);
-    if (import.keep_welds) keep_welds(file.read);
+    file.read = read_model_file(path, with_welds(options, import));
     return file;
   }
   ImportOptions own = import;
   if (format == ModelFormat::kUrdf && !own.closures) {
     own.closures = closures_beside(path);
+    own.closures_may_be_another_file = true;
   }
   ModelFile file =
       read_any_model_text(std::move(*text), path.string(), format, loader_beside(path, own.closures), options, own);

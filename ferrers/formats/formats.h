@@ -20,7 +20,8 @@ std::string_view format_name(ModelFormat format);  ///< "native", "URDF", ...
 /// mean what they say; 1e-6 for what CAD writes; 1e-5 for formats in which people type angles such as 1.5708.
 double usual_geometric_tolerance(ModelFormat format);
 
-/// By the name's ending (.urdf, .mjcf, .sdf, .world, .asmt, .yaml, .json, ...); for .xml by the root element.
+/// By the name's ending (.urdf, .mjcf, .sdf, .world, .asmt); of other files by what they begin with: the root element
+/// of XML, the first line of ASMT, else the native format.
 ModelFormat format_of(const std::filesystem::path& path, std::string_view text);
 
 struct ModelFile {
@@ -29,9 +30,6 @@ struct ModelFile {
   std::vector<RenamedThing> renamed;
   std::vector<VisualShape> visuals;
 };
-
-/// Welds stay joints, and what they hold stays several bodies, whatever the file says.
-void keep_welds(ModelSpec& spec);
 
 /// Reads a model file of any format. Parameters and edits of `options` act on a foreign file as on the native file that
 /// `write_model` makes of it. All errors at once; nothing throws. Cost: linear in its size.

@@ -31,6 +31,7 @@ struct ImportOptions {
   bool keep_welds = false;  ///< Bodies that fixed joints hold together stay apart, and the joints bear reactions.
   /// URDF: the file of closed loops; absent: looked for beside the model.
   std::optional<std::filesystem::path> closures;
+  bool closures_may_be_another_file = false;  ///< Found by their name: a file that holds no closures is let be.
 };
 
 /// A name that the native format does not allow, and what it became.

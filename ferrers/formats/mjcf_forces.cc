@@ -56,7 +56,13 @@ class ForceWriter {
   CoordinateRef coordinate(const TreeJoint& joint) const { return {{joint.name, joint.element.main_at()}, ""}; }
 
   void add_generalized_force(const TreeJoint& joint, const Expression& force) {
-    import_.spec().lagrangian.forces.emplace_back(coordinate(joint), force);
+    auto& forces = import_.spec().lagrangian.forces;
+    for (auto& [on, sum] : forces) {
+      if (on.joint.name != joint.name) continue;
+      sum = sum + force;
+      return;
+    }
+    forces.emplace_back(coordinate(joint), force);
   }
 
   /// Whether the quadratic and cubic coefficients are of use; refuses them where there is no one coordinate.

@@ -61,7 +61,7 @@ class MjcfWriter {
     add_forces();
     add_rotors();
     for (const JointId id : system_.topology->forest.cut_joints) add_closure(model_.joint(id));
-    for (const JointId id : tree_.screws) add_screw(model_.joint(id));
+    for (const WrittenTree::Screw& screw : tree_.screws) add_screw(screw);
     for (std::size_t i = 0; i < model_.couplings().size(); ++i) add_coupling(model_.couplings()[i]);
     for (const Drive& drive : model_.drives()) add_drive(drive);
     tell_of_the_rest();
@@ -205,8 +205,9 @@ class MjcfWriter {
     if (joint.type == JointType::kRevolute) {
       add_sites(joint, joint.name, Pose());
       hold("connect", joint.name);
-      add_sites(joint, joint.name + "_axis", Pose(Matrix3d::Identity(), lever() * Vector3d::UnitZ()));
-      return hold("connect", joint.name + "_axis");
+      const std::string axis = unused_row(joint.name + "_axis");
+      add_sites(joint, axis, Pose(Matrix3d::Identity(), lever() * Vector3d::UnitZ()));
+      return hold("connect", axis);
     }
     warn(fmt::format("has no constraint for '{}', a {} joint that closes a loop: it is left out", joint.name,
                      joint_type_info(joint.type).name));
@@ -215,10 +216,22 @@ class MjcfWriter {
   /// How far apart the two points of a revolute closure are.
   double lever() const { return system_.scaling.length_m > 0 ? system_.scaling.length_m : 1; }
 
-  void add_screw(const Joint& joint) {
-    equalities_ += fmt::format(
-        "    <joint name=\"{0}_lead\" joint1=\"{0}_displacement\" joint2=\"{0}_angle\" polycoef=\"0 {1} 0 0 0\"/>\n",
-        joint.name, joint.constants.lead_m / (2 * kPi));
+  void add_screw(const WrittenTree::Screw& screw) {
+    const Joint& joint = model_.joint(screw.joint);
+    equalities_ +=
+        fmt::format("    <joint name=\"{}\" joint1=\"{}\" joint2=\"{}\" polycoef=\"0 {} 0 0 0\"/>\n",
+                    unused_row(joint.name + "_lead"), screw.slide, screw.hinge, joint.constants.lead_m / (2 * kPi));
+  }
+
+  /// A name for an equality that no joint or constraint of the model has.
+  std::string unused_row(const std::string& name) {
+    if (rows_.empty()) {
+      for (const Joint& joint : model_.joints()) rows_.insert(joint.name);
+      for (const Coupling& coupling : model_.couplings()) rows_.insert(coupling.name);
+    }
+    std::string free = name;
+    for (int i = 2; !rows_.insert(free).second; ++i) free = fmt::format("{}_{}", name, i);
+    return free;
   }
 
   void add_coupling(const Coupling& coupling) {
@@ -395,6 +408,7 @@ class MjcfWriter {
   WrittenTree tree_;
   std::vector<std::vector<std::string>> sites_;  ///< Per written body.
   std::string tendons_, equalities_, actuators_;
+  std::set<std::string> rows_;  ///< Names of equalities that are taken.
 };
 
 }  // namespace

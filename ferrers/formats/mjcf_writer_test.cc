@@ -101,6 +101,36 @@ joints:
   EXPECT_TRUE(told.empty()) << messages(told);
 }
 
+TEST(MjcfWriterTest, NamesThatAreMadeUpAreNoneOfTheModel) {
+  const ModelReadResult read = read_model_text(R"(ferrers: 1
+bodies:
+  world: {mass: 1 kg, com: [0.1, 0, 0], inertia: {moments: [1, 1, 1]}}
+  world_: {mass: 1 kg, com: [0.4, 0.2, 0], inertia: {moments: [1, 1, 1]}}
+joints:
+  k: {type: cylindrical, bodies: [ground, world], at: [0, 0, 0], axis: z}
+  k_angle: {type: revolute, bodies: [world, world_], at: [0.4, 0, 0], axis: x}
+forces:
+  d: {type: joint_damping, joint: k.angle, damping: 3}
+  e: {type: joint_damping, joint: k_angle, damping: 5}
+)",
+                                               "names.yaml");
+  ASSERT_TRUE(read.model) << messages(read.diagnostics);
+  Diagnostics told;
+  const std::string text = write_mjcf(read.spec, told);
+  const Model again = build(text);
+  EXPECT_EQ(again.bodies().size(), 4U) << text;  // one between the cylinder's two joints
+  EXPECT_THAT(text, HasSubstr("name=\"world__2\""));
+  const auto damping = [&](const std::string& joint) {
+    for (const ForceElement& force : again.forces()) {
+      const auto* one = std::get_if<JointDamping>(&force.element);
+      if (one != nullptr && again.joint(one->coordinate.joint).name == joint) return one->damping;
+    }
+    return 0.0;
+  };
+  EXPECT_EQ(damping("k_angle_2"), 3) << text;
+  EXPECT_EQ(damping("k_angle"), 5) << text;
+}
+
 TEST(MjcfWriterTest, ARevoluteClosureIsTwoPoints) {
   const ModelReadResult read = read_model_text(file_text("examples/four-bar/model.yaml"), "model.yaml");
   ASSERT_TRUE(read.model) << messages(read.diagnostics);

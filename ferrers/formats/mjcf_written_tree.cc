@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
+#include <string>
 #include <utility>
 
 #include "ferrers/kinematics/motion.h"
@@ -59,6 +61,8 @@ class TreeWriter {
   WrittenTree write() {
     out_.bodies.emplace_back();
     out_.bodies[0].name = "world";
+    for (const Body& body : model_.bodies()) body_names_.insert(body.name);
+    for (const Joint& joint : model_.joints()) joint_names_.insert(joint.name);
     out_.index.emplace(kGround, 0);
     const auto& nodes = system_.topology->forest.nodes;
     written_of_node_.assign(nodes.size(), 0);
@@ -91,7 +95,8 @@ class TreeWriter {
     const TreeNode& node = system_.topology->forest.nodes[i];
     WrittenBody body;
     body.body = node.body;
-    body.name = model_.body(node.body).name == "world" ? "world_" : model_.body(node.body).name;
+    body.name = model_.body(node.body).name;
+    if (body.name == "world") body.name = unused("world_", body_names_);
     body.parent = written_of_node_[static_cast<std::size_t>(node.parent)];
     body.X_WB = body_pose(system_, pos_, node.body);
     const bool free = !node.joint.valid() || model_.joint(node.joint).type == JointType::kFree;
@@ -101,7 +106,7 @@ class TreeWriter {
       add_joints(node, system_.nodes[i], body);
     } else {
       WrittenJoint floating;
-      floating.name = body.name + "_floats";
+      floating.name = unused(body.name + "_floats", joint_names_);
       floating.kind = JointKind::kFree;
       body.joints.push_back(std::move(floating));
     }
@@ -129,7 +134,10 @@ class TreeWriter {
       const double angle = scalar ? system_.drawn_q[node.q + std::max(0, step.coordinate)] : 0;
       written.ref = step.coordinate < 0 ? angle * joint.constants.lead_m / (2 * 3.14159265358979323846) : angle;
       written.name = joint.name;
-      if (steps.size() > 1) written.name += step.coordinate < 0 ? "_displacement" : suffix_of(joint, step.coordinate);
+      if (steps.size() > 1) {
+        written.name += step.coordinate < 0 ? "_displacement" : suffix_of(joint, step.coordinate);
+        written.name = unused(written.name, joint_names_);
+      }
       if (joint.limits && step.coordinate == 0) written.limits = joint.limits;
       back = back * motion_of(step, -sign * written.ref);
       sources_[written.name] = {tree_node.joint, step.coordinate};
@@ -137,7 +145,18 @@ class TreeWriter {
     }
     std::reverse(joints.begin(), joints.end());
     body.joints = std::move(joints);
-    if (joint.type == JointType::kScrew) out_.screws.push_back(tree_node.joint);
+    if (joint.type == JointType::kScrew) {
+      const auto& own = body.joints;
+      const bool turns_first = own[0].kind == JointKind::kHinge;
+      out_.screws.push_back({tree_node.joint, own[turns_first ? 0 : 1].name, own[turns_first ? 1 : 0].name});
+    }
+  }
+
+  /// The name, or where another thing has it, the name with a number.
+  static std::string unused(const std::string& name, std::set<std::string>& taken) {
+    std::string free = name;
+    for (int i = 2; !taken.insert(free).second; ++i) free = fmt::format("{}_{}", name, i);
+    return free;
   }
 
   static std::string suffix_of(const Joint& joint, int coordinate) {
@@ -216,6 +235,7 @@ class TreeWriter {
   PositionKinematics pos_;
   std::vector<int> users_;            ///< Per body: joints, and 3 for every other thing.
   std::vector<int> written_of_node_;  ///< Before dissolving.
+  std::set<std::string> body_names_, joint_names_;
   std::map<std::string, std::pair<JointId, int>> sources_;
   WrittenTree out_;
 };

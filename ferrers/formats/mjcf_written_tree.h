@@ -38,7 +38,12 @@ struct WrittenTree {
     int body = 0, joint = 0, velocity = 0;
   };
   std::map<JointCoordinate, Place> coordinates;
-  std::vector<JointId> screws;  ///< Whose hinge and slide are still to be coupled.
+  /// A screw's hinge and slide, which are still to be coupled.
+  struct Screw {
+    JointId joint;
+    std::string hinge, slide;
+  };
+  std::vector<Screw> screws;
 };
 
 /// Massless bodies between two tree joints, which nothing else touches, are dissolved.

@@ -9,7 +9,7 @@ namespace ferrers {
 namespace {
 
 // The fixed body, and columns of the results.
-constexpr std::array<std::string_view, 3> kReserved = {"ground", "t", "energy"};
+constexpr std::array<std::string_view, 6> kReserved = {"ground", "t", "energy", "null", "true", "false"};
 
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }

@@ -118,6 +118,11 @@ Pose SdfFrames::step_of(int index) {
   if (progress_[static_cast<std::size_t>(index)].step) return *progress_[static_cast<std::size_t>(index)].step;
   const SdfFrame frame = (*this)[index];
   Pose step = frame.X_RF;
+  if (progress_[static_cast<std::size_t>(index)].stepping) {
+    tell_circle(index, "the placement frame", frame.placement);
+    return step;
+  }
+  progress_[static_cast<std::size_t>(index)].stepping = true;
   if (!frame.placement.name.empty()) {
     Pose X_MP;
     const std::optional<int> placed = find_or_tell(frame.inner, frame.placement, "the placement frame");

@@ -70,7 +70,7 @@ class SdfFrames {
     std::map<std::string, int, std::less<>> names;
   };
   struct Progress {
-    bool under_way = false;
+    bool under_way = false, stepping = false;
     std::optional<Pose> pose;
     std::optional<int> body;
     std::optional<Pose> step;

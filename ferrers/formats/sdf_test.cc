@@ -119,6 +119,16 @@ TEST(SdfTest, ReferencesThatLeadBackToThemselvesAreToldOnceWithTheirPlace) {
   }
 }
 
+TEST(SdfTest, ModelsPlacedByFramesOfEachOtherAreTold) {
+  const std::string inner = R"(<sdf version="1.9"><model name="inner" placement_frame="g">)" + link("b") +
+                            R"(<frame name="f"><pose>1 0 0 0 0 0</pose></frame></model></sdf>)";
+  const Read result = read(R"(<sdf version="1.9"><world name="w"><model name="A" placement_frame="f">)" + link("a") +
+                               R"(<frame name="g"><pose>0 1 0 0 0 0</pose></frame>
+<include merge="true"><uri>model://inner</uri></include></model></world></sdf>)",
+                           {}, {{"inner/model.sdf", inner}, {"model://inner", inner}, {"inner", inner}});
+  EXPECT_THAT(errors(result.diagnostics), testing::Not(ElementsAre()));
+}
+
 TEST(SdfTest, AModelIsPlacedByAFrameInsideIt) {
   const Read result = read(R"(<sdf version="1.9"><world name="w"><model name="m" placement_frame="f">
       <pose>5 0 0 0 0 0</pose><frame name="f"><pose>1 0 0 0 0 3.14159265358979312</pose></frame>)" +

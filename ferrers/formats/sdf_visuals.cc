@@ -32,7 +32,9 @@ std::optional<VisualShape> read_shape(const SdfElement& geometry) {
     shape.kind = Kind::kMesh;
     const Eigen::Vector3d scale = mesh.vector("scale").value_or(Eigen::Vector3d::Ones());
     shape.size = {scale.x(), scale.y(), scale.z()};
-    if (const SdfElement uri = mesh.child("uri")) shape.mesh = uri.text();
+    const SdfElement uri = mesh.child("uri");
+    if (!uri) return std::nullopt;
+    shape.mesh = uri.text();
   } else {
     return std::nullopt;
   }

@@ -24,7 +24,8 @@ std::string upper(std::string_view text) {
 /// Reads one file of closures. Its places are in messages as text: a diagnostic's place is one in the URDF file.
 class ClosuresReader {
  public:
-  ClosuresReader(std::string file, Diagnostics& diagnostics) : diagnostics_(diagnostics) {
+  ClosuresReader(std::string file, bool optional, Diagnostics& diagnostics)
+      : optional_(optional), diagnostics_(diagnostics) {
     closures_.file = std::move(file);
   }
 
@@ -51,10 +52,16 @@ class ClosuresReader {
     return std::move(closures_);
   }
 
-  /// Another file that happens to lie there.
+  /// Another file, which may happen to lie there.
   std::optional<UrdfClosures> not_used() {
-    diagnostics_.notice("F603", {}, fmt::format("'{}' is no file of closures and is not used", closures_.file),
-                        "a file of closures has the keys 'closed_loop' and 'type'");
+    const std::string message =
+        fmt::format("'{}' is no file of closures{}", closures_.file, optional_ ? " and is not used" : "");
+    const std::string hint = "a file of closures has the keys 'closed_loop' and 'type'";
+    if (optional_) {
+      diagnostics_.notice("F603", {}, message, hint);
+    } else {
+      diagnostics_.error("F606", {}, message, hint);
+    }
     return std::nullopt;
   }
 
@@ -155,6 +162,7 @@ class ClosuresReader {
     return known ? "universal " + axes : "";
   }
 
+  bool optional_;  ///< Whether the file may be another one.
   Diagnostics& diagnostics_;
   UrdfClosures closures_;
   bool failed_ = false;
@@ -254,7 +262,7 @@ std::optional<UrdfClosures> read_urdf_closures(const ImportContext& context) {
   const bool is_one = std::any_of(kKeys.begin(), kKeys.end(), [&](std::string_view key) {
     return key.size() > 4 && text->find(key) != std::string::npos;
   });
-  ClosuresReader reader(file, context.diagnostics);
+  ClosuresReader reader(file, context.options.closures_may_be_another_file, context.diagnostics);
   std::optional<UrdfClosures> closures = is_one ? reader.read(*text) : reader.not_used();
   if (closures) {
     context.diagnostics.notice(

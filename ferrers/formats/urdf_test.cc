@@ -321,7 +321,10 @@ TEST(UrdfTest, ClosuresReplaceJoints) {
 }
 
 TEST(UrdfTest, AFileBesideThatIsNoFileOfClosuresIsToldAndNotUsed) {
-  const ModelFile file = read_closed(robot(link("a")), "controllers: {arm: {type: position}}\n");
+  ImportOptions beside;
+  beside.closures = "robot.yaml";
+  beside.closures_may_be_another_file = true;
+  const ModelFile file = read(robot(link("a")), beside, {{"robot.yaml", "controllers: {arm: {type: position}}\n"}});
   EXPECT_TRUE(file.read.model);
   EXPECT_THAT(all_messages(file), HasSubstr("'robot.yaml' is no file of closures"));
 }

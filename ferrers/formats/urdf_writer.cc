@@ -4,12 +4,15 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <optional>
 #include <set>
 #include <vector>
 
 #include "ferrers/formats/name_map.h"
+#include "ferrers/kinematics/assembly.h"
+#include "ferrers/kinematics/constraint_blocks.h"
 #include "ferrers/model/joints/joint_type.h"
 
 namespace ferrers {
@@ -68,6 +71,8 @@ class UrdfWriter {
     for (std::size_t i = 0; i < model_.coordinates_begin(); ++i) {
       if (!in_tree_[i]) close_loop(model_.joints()[i]);
     }
+    tell_another_start();
+    tell_another_start();
     add_damping();
     add_mimics();
     tell_what_is_left_out();
@@ -84,6 +89,29 @@ class UrdfWriter {
     }
     for (const Joint& joint : model_.joints()) joint_names_[joint.name] = names_.add("joints", "joint", joint.name);
     in_tree_.assign(model_.joints().size(), false);
+  }
+
+  /// A URDF starts with all joints at zero, and loops that are open there may close in another way.
+  void tell_another_start() {
+    const auto system = make_system(std::make_shared<const Model>(model_));
+    const auto& nodes = system->topology->forest.nodes;
+    bool zero = true;
+    for (std::size_t i = 1; i < nodes.size(); ++i) {
+      if (!nodes[i].joint.valid()) continue;
+      const auto coordinates = joint_type_info(model_.joint(nodes[i].joint).type).coordinates;
+      for (std::size_t k = 0; k < coordinates.size(); ++k) {
+        const double drawn = system->drawn_q[system->nodes[i].q + static_cast<int>(k)];
+        zero = zero && (!coordinates[k].is_scalar() || std::abs(drawn) < 1e-9);
+      }
+    }
+    const ConstraintBlocks blocks = compute_constraint_blocks(*system, make_drawn_state(*system));
+    const bool closed = system->cuts.empty() || blocks.phi.cwiseProduct(system->scaling.rows).cwiseAbs().maxCoeff() <
+                                                    closed_tolerance(system->scaling);
+    if (!zero) {
+      lost("joints start at zero, not where the model is drawn: with loops it may be put together in another way");
+    } else if (!closed) {
+      lost("loops are open at the start as in the model, but may be closed in another way");
+    }
   }
 
   static bool can_carry(JointType type) {
@@ -263,18 +291,25 @@ class UrdfWriter {
     return marker;
   }
 
+  /// Files of closures name links and joints alike: the name is neither's.
+  std::string marker_name(const std::string& name) const {
+    std::string free = name;
+    for (int i = 2; model_.find_joint(free) || model_.find_body(free); ++i) free = fmt::format("{}_{}", name, i);
+    return free;
+  }
+
   void close_loop(const Joint& joint) {
     if (!can_carry(joint.type)) {
       lost("the {} joint '{}' is left out", joint_type_info(joint.type).name, joint.name);
       return;
     }
     if (joint.type == JointType::kFree) return;  // holds nothing
-    const int second = add_marker(joint.name + "_B", joint.second, joint.X_2M);
+    const int second = add_marker(marker_name(joint.name + "_B"), joint.second, joint.X_2M);
     int first = 0;
     if (joint.type == JointType::kWeld || joint.type == JointType::kSpherical) {
-      first = add_marker(joint.name + "_A", joint.first, joint.X_1F);
+      first = add_marker(marker_name(joint.name + "_A"), joint.first, joint.X_1F);
     } else {
-      first = add_massless_link(joint.name + "_A");
+      first = add_massless_link(marker_name(joint.name + "_A"));
       const int parent = link_of_body_[index(joint.first)];
       write_joint({joint, joint.X_1F, {}, 1}, parent, first, on_link(parent, joint.X_1F), {});
     }
@@ -303,6 +338,9 @@ class UrdfWriter {
       if (joint.stiffness || joint.misalignment) lost("stiffness and misalignment of '{}' are left out", joint.name);
       if (!joint.friction) continue;
       if (has_one_coordinate(joint.type)) damping[static_cast<int>(i)] += joint.friction->viscous;
+      if (joint.friction->viscous > 0 && !has_one_coordinate(joint.type)) {
+        lost("viscous friction in '{}' is left out", joint.name);
+      }
       if (joint.friction->coulomb > 0) lost("Coulomb friction in '{}' is left out", joint.name);
     }
     for (const auto& [joint, c] : damping) {

@@ -1,5 +1,7 @@
 #include "ferrers/formats/writers.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cctype>
 #include <utility>
@@ -13,13 +15,13 @@ namespace ferrers {
 namespace {
 
 std::vector<WrittenFile> urdf_files(const ModelSpec& spec, const std::filesystem::path& path,
-                                    Diagnostics& diagnostics) {
+                                    std::span<const VisualShape> visuals, Diagnostics& diagnostics) {
   const ModelBuildResult built = build_model(spec);
   if (!built.model) {
     diagnostics.append(built.diagnostics);
     return {};
   }
-  const UrdfText text = write_urdf(*built.model, {}, diagnostics);
+  const UrdfText text = write_urdf(*built.model, visuals, diagnostics);
   std::vector<WrittenFile> files = {{path.string(), text.urdf}};
   if (text.closures.empty()) return files;
   std::filesystem::path beside = path;
@@ -45,11 +47,15 @@ std::vector<std::string> written_format_words() {
 }
 
 std::vector<WrittenFile> write_any_model(const ModelSpec& spec, ModelFormat format, const std::filesystem::path& path,
-                                         Diagnostics& diagnostics) {
+                                         std::span<const VisualShape> visuals, Diagnostics& diagnostics) {
+  if (!visuals.empty() && format != ModelFormat::kUrdf) {
+    diagnostics.notice("F607", {},
+                       fmt::format("{} shapes of bodies, which are looks only, are not written", visuals.size()));
+  }
   if (format == ModelFormat::kNative) return {{path.string(), write_model(spec)}};
   ModelSpec parts = spec;
   keep_welds(parts);
-  if (format == ModelFormat::kUrdf) return urdf_files(parts, path, diagnostics);
+  if (format == ModelFormat::kUrdf) return urdf_files(parts, path, visuals, diagnostics);
   if (format == ModelFormat::kMjcf) return {{path.string(), write_mjcf(parts, diagnostics)}};
   diagnostics.error("F607", {}, std::string(format_name(format)) + " cannot be written", "it can be read only");
   return {};

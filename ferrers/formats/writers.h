@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -22,8 +23,8 @@ std::string format_word(ModelFormat format);
 
 /// Writes a specification that builds. What the format cannot say is told with F607: as a warning where the written
 /// mechanism is another one without it, as a notice else. `path`: of the model's file, by which a second file beside it
-/// (the closures of a URDF) is named. Cost: linear.
+/// (the closures of a URDF) is named. `visuals`: looks of the bodies. Cost: linear.
 std::vector<WrittenFile> write_any_model(const ModelSpec& spec, ModelFormat format, const std::filesystem::path& path,
-                                         Diagnostics& diagnostics);
+                                         std::span<const VisualShape> visuals, Diagnostics& diagnostics);
 
 }  // namespace ferrers

@@ -120,6 +120,7 @@ ModelReadResult read_model_text(std::string text, std::string name, const ReadMo
   ValueReader values(laws, result.diagnostics);
   SpecReader reader(values);
   result.spec = reader.read(*root, fs::path(name).stem().string());
+  if (options.keep_welds) keep_welds(result.spec);
   std::map<std::string, double> overrides = options.parameters;
   read_parameter_texts(options, result.spec, values, overrides);
   ModelBuildResult built = build_model(result.spec, overrides);

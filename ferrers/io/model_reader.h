@@ -22,6 +22,7 @@ struct ReadModelOptions {
   /// `bodies.crank.com[0]`, value in YAML. The path must exist but for its last key, which may be a field that the file
   /// leaves out.
   std::vector<std::string> edits;
+  bool keep_welds = false;  ///< Nothing is merged, whatever welds say.
   /// Folder of law files, for `read_model_text`; without one a law file is an error.
   std::optional<std::filesystem::path> folder;
 };

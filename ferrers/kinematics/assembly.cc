@@ -9,6 +9,7 @@
 #include "ferrers/kinematics/coordinates.h"
 #include "ferrers/kinematics/initial_values.h"
 #include "ferrers/math/damped_step.h"
+#include "ferrers/math/rotation.h"
 
 namespace ferrers {
 namespace {
@@ -140,15 +141,35 @@ class Closer {
   VectorXd residual_;
 };
 
-std::vector<OpenJoint> find_open_joints(const System& system, const Scaling& scaling, const VectorXd& phi) {
+// By how much the second frame is turned off what the joint allows. Rows tell no more than sines.
+double angle_off(const JointTypeInfo& type, const RelativeMotion& m, double sine) {
+  int moments = 0;
+  for (const int component : type.row_components) moments += component >= 3 ? 1 : 0;
+  if (moments == 3) return rotation_log(m.R_F.transpose() * m.R_M).norm();
+  if (moments == 2) {
+    const Eigen::Vector3d a = m.R_F.col(2), b = m.R_M.col(2);
+    return std::atan2(a.cross(b).norm(), a.dot(b));
+  }
+  return std::asin(std::min(1.0, sine));
+}
+
+std::vector<OpenJoint> find_open_joints(const System& system, const Scaling& scaling, const State& state,
+                                        const VectorXd& phi) {
   std::vector<OpenJoint> open;
   const double tolerance = closed_tolerance(scaling);
+  PositionKinematics pos = make_position_kinematics(system);
+  const VelocityKinematics rest = make_velocity_kinematics(system);
+  compute_positions(system, state.q, pos);
   for (const CutJoint& cut : system.cuts) {
     OpenJoint joint{system.joint(cut).name, 0, 0};
     for (int i = 0; i < cut.type->row_count(); ++i) {
       const double value = phi[cut.row + i];
       double& part = cut.type->row_components[i] >= 3 ? joint.angle_rad : joint.gap_m;
       part = std::hypot(part, value);
+    }
+    const RelativeMotion motion = compute_relative_motion(cut.frames, pos, rest);
+    if (joint.angle_rad * scaling.length_m > tolerance || is_flipped(*cut.type, motion)) {
+      joint.angle_rad = angle_off(*cut.type, motion, joint.angle_rad);
     }
     if (std::max(joint.gap_m, joint.angle_rad * scaling.length_m) > tolerance) open.push_back(joint);
   }
@@ -239,7 +260,7 @@ AssemblyResult assemble(const System& system, const AssemblyOptions& options) {
     result.status = AssemblyStatus::kAssembled;
     return result;
   }
-  result.open_joints = find_open_joints(system, scaling, closer.constraints().phi);
+  result.open_joints = find_open_joints(system, scaling, result.state, closer.constraints().phi);
   result.status = AssemblyStatus::kOpen;
   if (initial.any_exact()) {  // would it close without them?
     AssemblyOptions without = options;

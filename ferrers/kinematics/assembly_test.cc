@@ -453,5 +453,21 @@ TEST(AssemblyTest, SolutionsWithReversedAxesAreRefused) {
   }
 }
 
+TEST(AssemblyTest, AnAngleThatStaysOpenIsToldAsItIsUpToHalfATurn) {
+  for (const double angle : {0.3, 1.2, 2.2, std::numbers::pi}) {
+    ModelSpec spec;
+    spec.bodies = {witness::box_body("slider", {1, 0, 0}, {1, 1, 1}, 1)};
+    JointSpec hold = joint(JointType::kWeld, "hold", "ground", "slider", Point::Zero());
+    hold.place = hold.axis = {};
+    hold.frames = {pose_spec(Eigen::AngleAxisd(angle, Point(1, 2, 2) / 3).toRotationMatrix(), Point::Zero()),
+                   PoseSpec()};
+    spec.joints = {joint(JointType::kPrismatic, "guide", "ground", "slider", Point::Zero(), Point::UnitX()), hold};
+    const auto system = built(spec, {false, true});
+    const AssemblyResult result = assemble(*system);
+    ASSERT_EQ(result.open_joints.size(), 1u) << angle;
+    EXPECT_NEAR(result.open_joints[0].angle_rad, angle, 1e-9);
+  }
+}
+
 }  // namespace
 }  // namespace ferrers

@@ -71,11 +71,14 @@ std::vector<GroupWeld> ModelAssembler::place_merged_welds() {
       continue;
     }
     Joint weld;
-    Diagnostics before = diagnostics_;
+    Diagnostics before;
+    std::swap(before, diagnostics_);
     joint_is_placed_.assign(1, false);
     build_joint(spec, weld);
-    diagnostics_ = std::move(before);  // a weld that cannot be built has its message as a joint
-    if (!joint_is_placed_[0] || weld.first == weld.second) continue;
+    std::swap(before, diagnostics_);
+    // A weld with errors stays a joint, and has its messages as such.
+    if (before.has_errors() || !joint_is_placed_[0] || weld.first == weld.second) continue;
+    diagnostics_.append(before);
     welds.push_back({&spec, {weld.first.index(), weld.second.index()}, weld.X_1F * weld.X_2M.inverse()});
   }
   return welds;
@@ -179,7 +182,7 @@ Body ModelAssembler::group_of(const std::vector<int>& members) {
   Vector3d moment = Vector3d::Zero();
   for (const int member : members) {
     const Body& part = body(BodyId(member));
-    group.parts.push_back({part.name, place(member)});
+    group.parts.push_back({part.name, place(member), part.X_WB});
     group.has_mass = group.has_mass && part.has_mass;
     group.mass_kg += part.mass_kg;
     moment += part.mass_kg * (place(member) * part.com_m);

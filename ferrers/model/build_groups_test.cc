@@ -48,7 +48,7 @@ TEST(BuildGroupsTest, WeldedPartsAreOneBodyWithTheNameAndFrameOfTheFirst) {
   EXPECT_THAT(part_names(body), ElementsAre("a", "b", "c"));
   EXPECT_THAT(body.merged_welds, ElementsAre("ab", "bc"));
   EXPECT_EQ(model.find_body("c"), BodyId(1));
-  EXPECT_LT((model.part_pose("c").p - Point(2, 0, 0)).norm(), 1e-15);
+  EXPECT_LT((model.part("c").X_BP.p - Point(2, 0, 0)).norm(), 1e-15);
 }
 
 TEST(BuildGroupsTest, MassesAddUpAboutTheCommonMassCentre) {
@@ -143,6 +143,16 @@ TEST(BuildGroupsTest, OnlyPlainWeldsCanBeMerged) {
   ModelSpec spec = three_boxes();
   spec.joints[0].merge = true;
   EXPECT_THAT(messages(build_model(spec).diagnostics), HasSubstr("F211: 'pin' cannot be merged"));
+}
+
+TEST(BuildGroupsTest, MistakesInAWeldThatIsToBeMergedAreTold) {
+  ModelSpec spec = three_boxes();
+  spec.joints[1].place = {};
+  PoseSpec wrong;
+  wrong.rotation.emplace();
+  wrong.rotation->quaternion = std::array<Number, 4>{Number(2), Number(0), Number(0), Number(0)};
+  spec.joints[1].frames = {wrong, PoseSpec()};
+  EXPECT_THAT(messages(build_model(spec).diagnostics), HasSubstr("F327"));
 }
 
 TEST(BuildGroupsTest, AMergedWeldIsNoJointThatOthersMayName) {

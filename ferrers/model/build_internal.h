@@ -74,6 +74,7 @@ class ModelAssembler {
   void evaluate_parameter(int index);
   void check_parameter_bounds(int index);
   double number(const Number& n, std::optional<Dimension> wanted, Field field);
+  double any_number(const Number& n, std::optional<Dimension> wanted, Field field);
   double number_at_least_zero(const Number& n, std::optional<Dimension> wanted, Field field);
   double evaluate(const Expression& expression, Field field);
   void check_dimension(const Expression& expression, std::optional<Dimension> wanted, Field field);

@@ -10,6 +10,7 @@
 namespace ferrers {
 namespace {
 
+constexpr double kLargestNumber = 1e50;  // its sixth power is still a number
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 bool is_reserved(std::string_view name) { return name == "t" || name == "pi"; }
@@ -160,6 +161,16 @@ std::optional<Dimension> ModelAssembler::parameter_dimension(std::string_view na
 }
 
 double ModelAssembler::number(const Number& n, std::optional<Dimension> wanted, Field field) {
+  const double value = any_number(n, wanted, field);
+  if (std::isnan(value) || std::abs(value) <= kLargestNumber) return value;
+  diagnostics_.error(
+      "F338", place_of(n, field),
+      fmt::format("'{}' of '{}' is {:.3g}, beyond what can be computed with", field.key, field.owner.name, value),
+      fmt::format("numbers are at most {:.0g} in SI units", kLargestNumber));
+  return kUnknown;
+}
+
+double ModelAssembler::any_number(const Number& n, std::optional<Dimension> wanted, Field field) {
   if (n.expression) {
     check_dimension(*n.expression, wanted, field);
     return evaluate(*n.expression, field);

@@ -137,23 +137,18 @@ class Renamer {
 Joint on_parts(const Model& model, JointId id) {
   Joint joint = model.joint(id);
   const auto& bodies = model.spec().joints[model.spec_index(id)].bodies;
-  joint.X_1F = model.part_pose(bodies[0].name).inverse() * joint.X_1F;
-  joint.X_2M = model.part_pose(bodies[1].name).inverse() * joint.X_2M;
+  joint.X_1F = model.part(bodies[0].name).X_BP.inverse() * joint.X_1F;
+  joint.X_2M = model.part(bodies[1].name).X_BP.inverse() * joint.X_2M;
   return joint;
-}
-
-// As drawn.
-Matrix3d turn_of_part(const Model& model, BodyId body, const NameRef& part) {
-  return model.body(body).X_WB.R * model.part_pose(part.name).R;
 }
 
 // The frames of a joint given by them, with the new direction; the zero of an angle that is kept stays where it was.
 void turn_frames(const JointChange& change, const Joint& before, const Model& model, JointSpec& spec) {
   const Pose &F = before.X_1F, &M = before.X_2M;
-  const Matrix3d second_from_first = before.type == JointType::kSpherical
-                                         ? Matrix3d(turn_of_part(model, before.second, spec.bodies[1]).transpose() *
-                                                    turn_of_part(model, before.first, spec.bodies[0]))
-                                         : Matrix3d(M.R * F.R.transpose());
+  const Matrix3d second_from_first =
+      before.type == JointType::kSpherical
+          ? Matrix3d(model.part(spec.bodies[1].name).X_WP.R.transpose() * model.part(spec.bodies[0].name).X_WP.R)
+          : Matrix3d(M.R * F.R.transpose());
   const Vector3d direction = F.R * change.direction;
   const Matrix3d R =
       change.to == JointType::kUniversal ? frame_from_zx(F.R.col(2), direction) : frame_from_z(direction);
@@ -190,7 +185,7 @@ std::string retype(const JointChange& change, const Joint& before, const Model& 
       place.on_body = {{spec.bodies[on_second ? 1 : 0], rounded(own)}};
     } else {
       const int side = on_second ? 1 : 0;
-      place.drawn = rounded(turn_of_part(model, on_second ? before.second : before.first, spec.bodies[side]) * own);
+      place.drawn = rounded(model.part(spec.bodies[side].name).X_WP.R * own);
     }
     (on_second ? spec.axis2 : spec.axis) = place;
   }
@@ -264,7 +259,8 @@ void write_out_meshes(const Model& model, ModelSpec& spec) {
     const Joint& mesh = model.joints()[j];
     JointSpec& out = spec.joints[model.spec_index(JointId(j))];
     if (mesh.type != JointType::kGearMesh || mesh.constants.mesh_holds_as_drawn_only) continue;
-    const Pose F = model.body(mesh.first).X_WB * mesh.X_1F, M = model.body(mesh.second).X_WB * mesh.X_2M;
+    const Joint own = on_parts(model, JointId(j));
+    const Pose F = model.part(out.bodies[0].name).X_WP * own.X_1F, M = model.part(out.bodies[1].name).X_WP * own.X_2M;
     if (!out.axis.given()) out.axis.drawn = rounded(F.R.col(2));
     if (!out.centers) out.centers = {rounded(F.p), rounded(M.p)};
   }
@@ -410,6 +406,10 @@ JointChangeResult change_joints(const ModelSpec& spec, const std::vector<JointCh
     changed.push_back(*id);
   }
   Renamer(spec, changes).apply(*out.spec);
+  // Welds that are joints stay so: with another joint gone they might be merged otherwise.
+  for (std::size_t j = 0; j < before.model->coordinates_begin(); ++j) {
+    out.spec->joints[before.model->spec_index(JointId(j))].merge = false;
+  }
   if (loses_hinge) write_out_meshes(*before.model, *out.spec);
   const ModelBuildResult after = build_model(*out.spec, parameter_values);
   if (!after.model) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "ferrers/model/joints/joint_type.h"
+#include "ferrers/model/pose_spec.h"
 #include "ferrers/testing/build_checks.h"
 #include "ferrers/testing/zoo.h"
 #include "ferrers/testing/zoo_parts.h"
@@ -12,7 +13,11 @@ namespace ferrers {
 namespace {
 
 using testing::HasSubstr;
+using witness::box_body;
 using witness::built;
+using witness::joint;
+using witness::Point;
+using witness::values;
 
 const JointSpec& joint_of(const ModelSpec& spec, const std::string& name) {
   for (const JointSpec& joint : spec.joints) {
@@ -160,6 +165,52 @@ TEST(JointChangeTest, AMeshKeepsTheAxisAndCentresThatItReadOffAHinge) {
     EXPECT_FALSE(after.joints()[j].constants.mesh_holds_as_drawn_only);
     EXPECT_NEAR(after.joints()[j].constants.base_radius_1_m, before.joints()[j].constants.base_radius_1_m, 1e-12);
   }
+}
+
+/// A triangle of parts that welds with `merge` hold, one weld more than needed, and a fourth part on the third.
+ModelSpec welded_triangle() {
+  ModelSpec spec;
+  for (const char* name : {"a", "b", "c", "lid"}) spec.bodies.push_back(box_body(name, {1, 0, 0}, {1, 1, 1}, 1));
+  spec.joints = {joint(JointType::kRevolute, "pin", "ground", "a", Point::Zero())};
+  const auto weld = [&](const std::string& name, const std::string& first, const std::string& second) {
+    JointSpec one = joint(JointType::kWeld, name, first, second, Point(0.5, 0.2, 0));
+    one.axis = {};
+    one.merge = true;
+    spec.joints.push_back(one);
+  };
+  weld("cap", "c", "lid");
+  weld("ab", "a", "b");
+  weld("bc", "b", "c");
+  weld("ac", "a", "c");
+  return spec;
+}
+
+TEST(JointChangeTest, AWeldInALoopOfMergedWeldsCanBeChangedAndTheOthersStayJoints) {
+  const ModelSpec spec = welded_triangle();
+  ASSERT_EQ(built(spec).joints().size(), 4u);
+  const JointChangeResult result = change_joints(spec, {{"ab", JointType::kFree, Vector3d::Zero()}});
+  ASSERT_TRUE(result.spec) << result.reason;
+  const Model after = built(*result.spec);
+  EXPECT_EQ(after.joints().size(), 4u);
+  EXPECT_EQ(after.joint(*after.find_joint("ab")).type, JointType::kFree);
+  EXPECT_TRUE(after.find_joint("bc"));
+  EXPECT_EQ(after.find_body("lid"), after.find_body("c"));
+}
+
+TEST(JointChangeTest, AxesOfPartsAreGivenAsTheyAreDrawn) {
+  // The plate is drawn as the arm is, and sits on it turned by a quarter about z.
+  ModelSpec spec;
+  for (const char* name : {"arm", "plate", "end"}) spec.bodies.push_back(box_body(name, {1, 0, 0}, {1, 1, 1}, 1));
+  JointSpec bolt = joint(JointType::kWeld, "bolt", "arm", "plate", Point::Zero());
+  bolt.place = bolt.axis = {};
+  bolt.merge = true;
+  bolt.frames = {pose_spec({Eigen::AngleAxisd(EIGEN_PI / 2, Point::UnitZ()).toRotationMatrix(), Point::Zero()}), {}};
+  JointSpec ball = joint(JointType::kSpherical, "ball", "plate", "end", Point(1, 0, 0));
+  ball.axis = {};
+  spec.joints = {joint(JointType::kRevolute, "pin", "ground", "arm", Point::Zero()), bolt, ball};
+  const JointChangeResult result = change_joints(spec, {{"ball", JointType::kRevolute, Vector3d::UnitX()}});
+  ASSERT_TRUE(result.spec) << result.reason;
+  EXPECT_LT((values(*result.spec->joints[2].axis.drawn) - Point::UnitX()).norm(), 1e-12);
 }
 
 }  // namespace

@@ -15,13 +15,13 @@ std::optional<BodyId> Model::find_body(std::string_view name) const {
   return std::nullopt;
 }
 
-Pose Model::part_pose(std::string_view name) const {
-  for (const Body& body : bodies_) {
-    for (const Part& part : body.parts) {
-      if (part.name == name) return part.X_BP;
-    }
+Part Model::part(std::string_view name) const {
+  const std::optional<BodyId> id = find_body(name);
+  require(id.has_value(), "part: the model has no such body");
+  for (const Part& part : body(*id).parts) {
+    if (part.name == name) return part;
   }
-  return {};
+  return {std::string(name), {}, body(*id).X_WB};
 }
 
 std::size_t Model::spec_index(JointId id) const {

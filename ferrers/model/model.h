@@ -26,7 +26,8 @@ using Vector6d = Eigen::Matrix<double, 6, 1>;
 /// A body of the file that became part of a rigid group, because welds with `merge` hold it.
 struct Part {
   std::string name;
-  Pose X_BP;  ///< Its own frame in that of the body.
+  Pose X_BP;  ///< Its own frame in that of the body: as its welds put it.
+  Pose X_WP;  ///< As drawn.
 };
 
 /// A rigid body. Its frame is the world frame of the drawing, or the frame that its `pose` gives.
@@ -200,13 +201,15 @@ class Model {
   const std::vector<Event>& events() const { return events_; }
   const std::vector<Parameter>& parameters() const { return parameters_; }
   const ModelSpec& spec() const { return *spec_; }
+  /// Parameter values (SI) that the model was built with instead of the specification's.
+  const std::map<std::string, double>& overrides() const { return overrides_; }
 
   const Body& body(BodyId id) const { return bodies_.at(id.index()); }
   const Joint& joint(JointId id) const { return joints_.at(id.index()); }
 
   std::optional<BodyId> find_body(std::string_view name) const;  ///< Also by the name of one of its parts.
-  /// Where a body of the file is in the body of the model that it belongs to: the identity unless it was merged.
-  Pose part_pose(std::string_view name) const;
+  /// A body of the file, whether it is a part of a rigid group or not. Throws where there is none.
+  Part part(std::string_view name) const;
   /// The joint's place in `spec().joints`, which also has welds that were merged.
   std::size_t spec_index(JointId id) const;
   std::optional<JointId> find_joint(std::string_view name) const;

@@ -309,4 +309,9 @@ struct ModelSpec {
   std::vector<EventSpec> events;
 };
 
+/// Welds stay joints, and what they hold stays several bodies.
+inline void keep_welds(ModelSpec& spec) {
+  for (JointSpec& joint : spec.joints) joint.merge = false;
+}
+
 }  // namespace ferrers

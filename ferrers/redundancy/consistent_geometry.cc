@@ -33,12 +33,6 @@ bool has_free_seats(const Joint& joint) {
   return rule != PlacementRule::kTwoPoints && rule != PlacementRule::kMesh && joint_type_info(joint.type).carries_body;
 }
 
-std::map<std::string, double> values_of(const Model& model) {
-  std::map<std::string, double> values;
-  for (const Parameter& one : model.parameters()) values[one.name] = one.value;
-  return values;
-}
-
 /// A small displacement of a frame, (translation, rotation) along its own axes.
 Pose displaced(const Pose& X, const Vector6d& move) {
   return {X.R * quaternion_exp(move.tail<3>()).toRotationMatrix(), X.p + X.R * move.head<3>()};
@@ -47,7 +41,7 @@ Pose displaced(const Pose& X, const Vector6d& move) {
 /// The seats of all joints, and the mechanism that they make.
 class Seats {
  public:
-  explicit Seats(const Model& model) : model_(model), values_(values_of(model)), spec_(model.spec()) {
+  explicit Seats(const Model& model) : model_(model), spec_(model.spec()) {
     for (const Joint& joint : model.joints()) frames_.push_back({joint.X_1F, joint.X_2M});
     system_ = make_system(std::make_shared<const Model>(model));
   }
@@ -68,7 +62,7 @@ class Seats {
         place(spec_.joints[model_.spec_index(JointId(j))], j);
       }
     }
-    ModelBuildResult built = build_model(spec_, values_);
+    ModelBuildResult built = build_model(spec_, model_.overrides());
     if (!built.model) return false;
     system_ = make_system(std::make_shared<const Model>(std::move(*built.model)));
     return true;
@@ -97,13 +91,12 @@ class Seats {
     joint.place = joint.axis = joint.axis2 = {};
     joint.x.reset();
     const auto on_part = [&](std::size_t side) {
-      return pose_spec(model_.part_pose(joint.bodies[side].name).inverse() * frames_[index][side], joint.name.at);
+      return pose_spec(model_.part(joint.bodies[side].name).X_BP.inverse() * frames_[index][side], joint.name.at);
     };
     joint.frames = {on_part(0), on_part(1)};
   }
 
   const Model& model_;
-  std::map<std::string, double> values_;
   ModelSpec spec_;
   std::vector<std::array<Pose, 2>> frames_;
   std::shared_ptr<const System> system_;
@@ -233,7 +226,7 @@ class Search {
   void run() {
     const System& system = seats_.system();
     if (system.m == 0) return;
-    if (system.m > kMostRowsMadeConsistent) {
+    if (system.m > kMostRowsMadeConsistent || system.nv > kMostCoordinatesMadeConsistent) {
       out_.verdict = GeometryVerdict::kTooLarge;
       return;
     }
@@ -246,6 +239,7 @@ class Search {
       if (proves()) {
         out_.verdict = GeometryVerdict::kFound;
         out_.spec = seats_.spec();
+        out_.model = seats_.system().model;
         out_.moves = seats_.moves(length_);
         out_.poses = static_cast<int>(poses_.size());
         return;
@@ -377,7 +371,7 @@ std::string words(const ConsistentGeometry& g) {
       return "";
     case GeometryVerdict::kTooLarge:
       return fmt::format(
-          "the mechanism has too many loops to look for a consistent geometry {}: its numbers are taken "
+          "the mechanism is too large to look for a consistent geometry {}: its numbers are taken "
           "at their word",
           within);
     case GeometryVerdict::kOpen:

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -21,17 +22,17 @@
 /// (Gauss-Newton). A geometry that closes at that many poses closes along the motion; further poses prove it. So axes
 /// become parallel, cranks of equal length, or a Bennett loop a true one, without a list of special geometries. Joints
 /// between two points and meshes of teeth keep their numbers; masses and bodies are not touched.
-/// Cost: some hundred singular value decompositions of G, dense; up to `kMostRows` closure rows.
+/// Cost: some hundred singular value decompositions of G, dense; up to `kMostRowsMadeConsistent` closure rows.
 namespace ferrers {
 
-constexpr int kMostRowsMadeConsistent = 300;
+constexpr int kMostRowsMadeConsistent = 300, kMostCoordinatesMadeConsistent = 600;
 
 enum class GeometryVerdict {
   kExact,     ///< Nothing to do: the numbers as written say clearly what is redundant, or nothing nearly is.
   kFound,     ///< `spec` holds the consistent geometry.
   kOpen,      ///< The loops stay open by more than the tolerance.
   kNotFound,  ///< No geometry within the tolerance was found that moves as this one nearly does.
-  kTooLarge,  ///< More than `kMostRowsMadeConsistent` closure rows.
+  kTooLarge,  ///< More closure rows or coordinates than that.
 };
 std::string_view to_string(GeometryVerdict verdict);
 
@@ -50,7 +51,8 @@ struct ParallelAxes {
 struct ConsistentGeometry {
   GeometryVerdict verdict = GeometryVerdict::kExact;
   double tolerance = 0;
-  std::optional<ModelSpec> spec;  ///< kFound: joints given by frames where they had to move.
+  std::optional<ModelSpec> spec;       ///< kFound: joints given by frames where they had to move.
+  std::shared_ptr<const Model> model;  ///< kFound: built of it, with the parameter values of the given one.
   double misclosure_m = 0;        ///< As written, at the best pose: largest residual of a row, angles times L.
   RankDecision as_written;        ///< Of the closure rows, with numbers taken at their word.
   RankDecision treated;           ///< With the tolerance.
