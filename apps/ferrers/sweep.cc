@@ -190,6 +190,11 @@ int run(const Options& options) {
   if (const std::string fault = find_fault(options); !fault.empty()) return command_line_error(fault);
   LoadedModel loaded = load_model(options.model);
   if (!loaded.model) return not_begun(options, loaded, nullptr);
+  if (loaded.geometry && loaded.geometry->spec) {
+    return command_line_error(
+        "the joints had to move to where the geometry is exact, and would not follow the parameters; "
+        "'ferrers convert --snap' writes it, or sweep with '--geometric-tolerance 0'");
+  }
   const ParameterTableResult table = read_table(options, *loaded.model);
   if (!table.table) return not_begun(options, loaded, &table.diagnostics);
   if (const std::string error = write_model_if_asked(options.model, loaded); !error.empty()) {

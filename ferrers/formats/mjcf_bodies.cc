@@ -81,6 +81,7 @@ void fill_mass(const MassProperties& mass, SourceRange at, BodySpec& spec) {
 }
 
 void name_bodies(Import& import) {
+  for (const TreeBody& body : import.tree.bodies) import.names.keep("bodies", body.original);
   for (std::size_t i = 1; i < import.tree.bodies.size(); ++i) {
     TreeBody& body = import.tree.bodies[i];
     if (body.original.empty()) body.original = fmt::format("{}_body", import.body(body.parent).original);
@@ -89,6 +90,9 @@ void name_bodies(Import& import) {
 }
 
 void name_joints(Import& import) {
+  for (const TreeBody& body : import.tree.bodies) {
+    for (const TreeJoint& joint : body.joints) import.names.keep("joints", joint.original);
+  }
   for (TreeBody& body : import.tree.bodies) {
     for (TreeJoint& joint : body.joints) {
       if (joint.original.empty()) joint.original = body.original + "_joint";

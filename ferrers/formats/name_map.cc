@@ -26,15 +26,21 @@ std::string allowed(std::string_view original, std::string_view kind) {
 
 }  // namespace
 
+void NameMap::keep(std::string_view space, std::string_view original) {
+  if (!original.empty() && allowed(original, {}) == original)
+    spaces_[std::string(space)].kept.insert(std::string(original));
+}
+
 std::string NameMap::add(std::string_view space, std::string_view kind, std::string_view original) {
   Space& own = spaces_[std::string(space)];
   const std::string wanted = allowed(original, kind);
   std::string name = wanted;
-  if (!own.taken.insert(name).second) {
+  const auto take = [&] { return (name == original || own.kept.count(name) == 0) && own.taken.insert(name).second; };
+  if (!take()) {
     int& number = own.numbers.try_emplace(wanted, 2).first->second;  // those below are taken
     do {
       name = wanted + "_" + std::to_string(number++);
-    } while (!own.taken.insert(name).second);
+    } while (!take());
   }
   if (name != original) renamed_.push_back({std::string(kind), std::string(original), name});
   return name;

@@ -93,6 +93,8 @@ SdfBodies read_sdf_links(SdfTree& tree, NameMap& names, ImportedModel& model) {
   SdfBodies bodies;
   bodies.name_of_frame.resize(static_cast<std::size_t>(tree.frames.size()));
   bodies.name_of_frame[SdfFrames::kWorldFrame] = kGround;
+  for (const SdfLink& link : tree.links) names.keep("bodies", tree.shown(link.path));
+  for (const SdfJoint& joint : tree.joints) names.keep("joints", tree.shown(joint.path));
   for (const SdfLink& link : tree.links) {
     std::string& name = bodies.name_of_frame[static_cast<std::size_t>(link.frame)];
     const Pose X_WB = tree.frames.pose_in_world(link.frame);

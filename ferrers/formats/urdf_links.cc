@@ -67,6 +67,8 @@ void place_root(UrdfImport& import, const UrdfLink& root) {
 }  // namespace
 
 void import_urdf_links(UrdfImport& import) {
+  for (const UrdfLink& link : import.tree.links) import.names.keep("bodies", link.name);
+  for (const UrdfJoint& joint : import.tree.joints) import.names.keep("joints", joint.name);
   for (UrdfLink& link : import.tree.links) {
     const SourceRange at = link.element.attribute_at("name");
     if (is_ground(import, link)) {
