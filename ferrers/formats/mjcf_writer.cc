@@ -384,6 +384,11 @@ class MjcfWriter {
 
   void tell_of_the_rest() {
     if (system_.topology->general_coordinates > 0) warn("has no generalized coordinates: they are left out");
+    for (const Body& body : model_.bodies()) {
+      if (check_inertia(body.inertia_kgm2) != InertiaVerdict::kTriangle) continue;
+      warn(fmt::format("readers refuse the inertia of '{}', of which one principal moment exceeds the sum of the others",
+                       body.name));
+    }
     const auto left_out = [&](bool present, std::string_view what) {
       if (present) notice(fmt::format("is written without {}", what));
     };

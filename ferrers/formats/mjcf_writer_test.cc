@@ -131,6 +131,22 @@ forces:
   EXPECT_EQ(damping("k_angle"), 5) << text;
 }
 
+TEST(MjcfWriterTest, AnInertiaThatMujocoRefusesIsToldAsAWarning) {
+  const ModelReadResult read = read_model_text(R"(ferrers: 1
+bodies:
+  a: {mass: 1 kg, com: [0.1, 0, 0], inertia: {moments: [1, 1, 3], unphysical: true}}
+joints:
+  r: {type: revolute, bodies: [ground, a], at: [0, 0, 0], axis: z}
+)",
+                                               "plate.yaml");
+  ASSERT_TRUE(read.model) << messages(read.diagnostics);
+  Diagnostics told;
+  write_mjcf(read.spec, told);
+  ASSERT_EQ(told.items().size(), 1U);
+  EXPECT_EQ(told.items()[0].severity, Severity::kWarning);
+  EXPECT_THAT(told.items()[0].message, HasSubstr("the inertia of 'a'"));
+}
+
 TEST(MjcfWriterTest, ARevoluteClosureIsTwoPoints) {
   const ModelReadResult read = read_model_text(file_text("examples/four-bar/model.yaml"), "model.yaml");
   ASSERT_TRUE(read.model) << messages(read.diagnostics);
