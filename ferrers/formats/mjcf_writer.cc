@@ -8,6 +8,7 @@
 #include <set>
 
 #include "ferrers/formats/mjcf_written_tree.h"
+#include "ferrers/model/mass_properties.h"
 
 namespace ferrers {
 namespace mjcf {
