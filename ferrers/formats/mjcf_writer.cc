@@ -1,6 +1,7 @@
 #include "ferrers/formats/mjcf_writer.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -8,6 +9,7 @@
 #include <set>
 
 #include "ferrers/formats/mjcf_written_tree.h"
+#include "ferrers/kinematics/assembly.h"
 #include "ferrers/model/mass_properties.h"
 
 namespace ferrers {
@@ -68,9 +70,9 @@ class MjcfWriter {
     tell_of_the_rest();
     return fmt::format(
         "<mujoco model=\"{}\">\n  <compiler angle=\"radian\" autolimits=\"true\"{}/>\n"
-        "  <option gravity=\"{}\"/>\n{}{}{}{}</mujoco>\n",
+        "  <option gravity=\"{}\"/>\n{}{}{}{}{}</mujoco>\n",
         escaped(model_.name()), bounds(), text_of(model_.gravity()), bodies(), section("tendon", tendons_),
-        section("equality", equalities_), section("actuator", actuators_));
+        section("equality", equalities_), section("actuator", actuators_), section("keyframe", keyframe()));
   }
 
  private:
@@ -96,12 +98,66 @@ class MjcfWriter {
     return joint.kind == JointKind::kHinge || joint.kind == JointKind::kSlide ? &joint : nullptr;
   }
 
-  /// Nested bodies, without recursion: mechanisms can be deep.
-  std::string bodies() const {
+  /// By body; the last is written first.
+  std::vector<std::vector<int>> children_of_all() const {
     std::vector<std::vector<int>> children(tree_.bodies.size());
     for (std::size_t i = tree_.bodies.size(); i-- > 1;) {
       children[static_cast<std::size_t>(tree_.bodies[i].parent)].push_back(static_cast<int>(i));
     }
+    return children;
+  }
+
+  /// The start as a key, where it is not where the model is drawn; nothing where it cannot be said.
+  std::string keyframe() const {
+    const AssemblyResult start = assemble(system_);
+    if (start.status != AssemblyStatus::kAssembled) return "";
+    PositionKinematics pos = make_position_kinematics(system_);
+    compute_positions(system_, start.state.q, pos);
+    const std::vector<std::vector<int>> children = children_of_all();
+    std::vector<double> all;
+    double moved = 0;
+    const auto add = [&](double value, double drawn) {
+      all.push_back(value);
+      moved = std::max(moved, std::abs(value - drawn));
+    };
+    const auto add_turn = [&](const Matrix3d& R, const Matrix3d& drawn) {
+      const Eigen::Quaterniond q(R);
+      all.insert(all.end(), {q.w(), q.x(), q.y(), q.z()});
+      moved = std::max(moved, (R - drawn).cwiseAbs().maxCoeff());
+    };
+    const auto pose = [&](const WrittenBody& body) {
+      return body.body.valid() ? body_pose(system_, pos, body.body) : Pose();
+    };
+    std::vector<int> way = children[0];
+    while (!way.empty()) {
+      const auto index = static_cast<std::size_t>(way.back());
+      const WrittenBody& body = tree_.bodies[index];
+      way.pop_back();
+      for (const WrittenJoint& joint : body.joints) {
+        if (joint.position >= 0) {
+          add(joint.scale * start.state.q[joint.position], joint.ref);
+        } else if (body.joints.size() > 1) {
+          return "";
+        } else {
+          const Pose X_PB = pose(tree_.bodies[static_cast<std::size_t>(body.parent)]).inverse() * pose(body);
+          const bool free = joint.kind == JointKind::kFree;
+          for (int i = 0; free && i < 3; ++i) add(X_PB.p[i], body.X_PB.p[i]);
+          if (free) {
+            add_turn(X_PB.R, body.X_PB.R);
+          } else {
+            add_turn(body.X_PB.R.transpose() * X_PB.R, Matrix3d::Identity());
+          }
+        }
+      }
+      way.insert(way.end(), children[index].begin(), children[index].end());
+    }
+    if (moved < 1e-9) return "";
+    return fmt::format("    <key name=\"start\" qpos=\"{}\"/>\n", fmt::join(all, " "));
+  }
+
+  /// Nested bodies, without recursion: mechanisms can be deep.
+  std::string bodies() const {
+    const std::vector<std::vector<int>> children = children_of_all();
     std::string out = "  <worldbody>\n";
     for (const std::string& site : sites_[0]) out += "    " + site + "\n";
     std::vector<std::pair<int, int>> stack;  // body (its end: −1 − body), depth
@@ -387,13 +443,16 @@ class MjcfWriter {
     if (system_.topology->general_coordinates > 0) warn("has no generalized coordinates: they are left out");
     for (const Body& body : model_.bodies()) {
       if (check_inertia(body.inertia_kgm2) != InertiaVerdict::kTriangle) continue;
-      warn(fmt::format("readers refuse the inertia of '{}', of which one principal moment exceeds the sum of the others",
-                       body.name));
+      warn(
+          fmt::format("readers refuse the inertia of '{}', of which one principal moment exceeds the sum of the others",
+                      body.name));
     }
     const auto left_out = [&](bool present, std::string_view what) {
       if (present) notice(fmt::format("is written without {}", what));
     };
-    left_out(!model_.initial().empty(), "initial values");
+    left_out(std::any_of(model_.initial().begin(), model_.initial().end(),
+                         [](const InitialValue& one) { return !one.velocity.empty(); }),
+             "initial velocities");
     left_out(!model_.parameters().empty(), "parameters: formulas are written as their numbers");
     left_out(!model_.records().empty() || !model_.recorded_formulas().empty(), "recorded points and formulas");
     left_out(!model_.events().empty(), "events");

@@ -131,8 +131,10 @@ class TreeWriter {
       written.pos = back.p;
       written.axis = sign * back.R.col(step.axis);
       const bool scalar = step.kind == JointKind::kHinge || step.kind == JointKind::kSlide;
+      if (scalar) written.position = node.q + std::max(0, step.coordinate);
+      if (step.coordinate < 0) written.scale = joint.constants.lead_m / (2 * 3.14159265358979323846);
       const double angle = scalar ? system_.drawn_q[node.q + std::max(0, step.coordinate)] : 0;
-      written.ref = step.coordinate < 0 ? angle * joint.constants.lead_m / (2 * 3.14159265358979323846) : angle;
+      written.ref = written.scale * angle;
       written.name = joint.name;
       if (steps.size() > 1) {
         written.name += step.coordinate < 0 ? "_displacement" : suffix_of(joint, step.coordinate);

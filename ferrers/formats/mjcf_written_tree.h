@@ -19,6 +19,8 @@ struct WrittenJoint {
   double ref = 0;                                             ///< Its coordinate as drawn.
   std::optional<std::array<double, 2>> limits;
   double stiffness = 0, springref = 0;
+  int position = -1;  ///< Of a hinge or slide: its place in a state's positions, which `scale` makes its own.
+  double scale = 1;
   std::vector<double> damping, armature;  ///< Per velocity.
 };
 
