@@ -307,10 +307,23 @@ TEST_F(CommandTest, ClosuresOfAnotherModelDoNotStayBesideAWrittenOne) {
   EXPECT_EQ(run({"analyze", "m.urdf"}).exit_code, 0);
 }
 
-TEST_F(CommandTest, AUrdfThatStartsElsewhereIsWarnedAbout) {
-  EXPECT_THAT(run({"convert", kAssembly, "-o", "a.urdf"}).errors, HasSubstr("joints start at zero"));
+TEST_F(CommandTest, AWrittenUrdfStartsWhereTheModelIsDrawn) {
+  const Result told = run({"convert", kAssembly, "-o", "a.urdf"});
+  EXPECT_THAT(told.errors,
+              HasSubstr("those of Revolute, Revolute001, Revolute002, Revolute003 are zero where the model is"));
+  const auto start = [&](const std::string& file) {
+    EXPECT_EQ(run({"convert", file, "-o", "start.xml", "--to", "mjcf", "--force"}).exit_code, 0);
+    return read_text(folder_ / "start.xml");
+  };
+  const ordered_json before = run({"analyze", kAssembly, "--json"}).json(),
+                     after = run({"analyze", "a.urdf", "--json"}).json();
+  EXPECT_EQ(after.at("mobility"), before.at("mobility"));
+  EXPECT_EQ(after.at("permanence").at("kind"), before.at("permanence").at("kind"));
+  EXPECT_THAT(start("a.urdf"), Not(HasSubstr("<key")));  // it closes as it stands
   EXPECT_THAT(run({"convert", (kExamples / "four-bar/model.yaml").string(), "-o", "b.urdf"}).errors,
-              Not(HasSubstr("start")));
+              Not(HasSubstr("zero")));
+  const std::string open = (kFormats / "sdf/four_bar_open.sdf").string();
+  EXPECT_THAT(run({"convert", open, "-o", "open.urdf"}).errors, HasSubstr("loops are open at the start"));
 }
 
 TEST_F(CommandTest, ConvertTellsInJsonWhatItDid) {

@@ -1,11 +1,13 @@
 #include "ferrers/formats/writers.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cctype>
 #include <utility>
 
+#include "ferrers/formats/drawn_zero.h"
 #include "ferrers/formats/mjcf_writer.h"
 #include "ferrers/formats/urdf_writer.h"
 #include "ferrers/io/model_writer.h"
@@ -16,7 +18,14 @@ namespace {
 
 std::vector<WrittenFile> urdf_files(const ModelSpec& spec, const std::filesystem::path& path,
                                     std::span<const VisualShape> visuals, Diagnostics& diagnostics) {
-  const ModelBuildResult built = build_model(spec);
+  ModelBuildResult built = build_model(spec);
+  if (const auto zero = built.model ? move_zeros_to_drawing(*built.model) : std::nullopt) {
+    diagnostics.notice("F607", {},
+                       fmt::format("URDF starts with all coordinates at zero: those of {} are zero where the model is "
+                                   "drawn, their limits moved along",
+                                   fmt::join(zero->moved, ", ")));
+    built = build_model(zero->spec);
+  }
   if (!built.model) {
     diagnostics.append(built.diagnostics);
     return {};
