@@ -53,9 +53,9 @@ struct ConsistentGeometry {
   double tolerance = 0;
   std::optional<ModelSpec> spec;       ///< kFound: joints given by frames where they had to move.
   std::shared_ptr<const Model> model;  ///< kFound: built of it, with the parameter values of the given one.
-  double misclosure_m = 0;        ///< As written, at the best pose: largest residual of a row, angles times L.
-  RankDecision as_written;        ///< Of the closure rows, with numbers taken at their word.
-  RankDecision treated;           ///< With the tolerance.
+  double misclosure_m = 0;             ///< As written, at the best pose: largest residual of a row, angles times L.
+  RankDecision as_written;             ///< Of the closure rows, with numbers taken at their word.
+  RankDecision treated;                ///< With the tolerance.
   int mobility_as_written = 0, redundant_as_written = 0;
   int mobility = 0, redundant = 0;  ///< With the tolerance.
   std::vector<SeatMove> moves;      ///< Largest first; those that moved at all.
