@@ -18,28 +18,25 @@ constexpr double kNoRotation = 1e-3;
 
 }  // namespace
 
-std::optional<Eigen::Vector3d> AsmtGeometry::triple(const AsmtRecord& owner, std::string_view name) const {
+std::optional<std::vector<double>> AsmtGeometry::numbers(const AsmtRecord& owner, std::string_view name,
+                                                         std::size_t count) const {
   const AsmtRecord record = owner.child(name);
   if (!record || record.empty()) {
     diagnostics_.error("F202", record ? record.at() : owner.at(), fmt::format("'{}' has no '{}'", owner.name(), name));
     return std::nullopt;
   }
-  const auto numbers =
-      read_numbers(record.value(diagnostics_), record.value_at(), fmt::format("'{}'", name), 3, diagnostics_);
-  if (!numbers) return std::nullopt;
-  return Eigen::Vector3d((*numbers)[0], (*numbers)[1], (*numbers)[2]);
+  return read_numbers(record.value(diagnostics_), record.value_at(), fmt::format("'{}'", name), count, diagnostics_);
+}
+
+std::optional<Eigen::Vector3d> AsmtGeometry::triple(const AsmtRecord& owner, std::string_view name) const {
+  const auto all = numbers(owner, name, 3);
+  if (!all) return std::nullopt;
+  return Eigen::Vector3d((*all)[0], (*all)[1], (*all)[2]);
 }
 
 std::optional<double> AsmtGeometry::number(const AsmtRecord& owner, std::string_view name) const {
-  const AsmtRecord record = owner.child(name);
-  if (!record || record.empty()) {
-    diagnostics_.error("F202", record ? record.at() : owner.at(), fmt::format("'{}' has no '{}'", owner.name(), name));
-    return std::nullopt;
-  }
-  const auto numbers =
-      read_numbers(record.value(diagnostics_), record.value_at(), fmt::format("'{}'", name), 1, diagnostics_);
-  if (!numbers) return std::nullopt;
-  return numbers->front();
+  const auto all = numbers(owner, name, 1);
+  return all ? std::optional(all->front()) : std::nullopt;
 }
 
 std::optional<Eigen::Matrix3d> AsmtGeometry::rotation(const AsmtRecord& owner) {

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string_view>
+#include <vector>
 
 #include "ferrers/formats/asmt_document.h"
 #include "ferrers/math/rotation.h"
@@ -28,6 +29,8 @@ class AsmtGeometry {
   void tell_rounded() const;
 
  private:
+  std::optional<std::vector<double>> numbers(const AsmtRecord& owner, std::string_view name, std::size_t count) const;
+
   std::optional<Eigen::Matrix3d> rotation(const AsmtRecord& owner);
 
   double per_metre_;

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
-#include <cstdlib>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -12,6 +11,7 @@
 #include "ferrers/formats/formats.h"
 #include "ferrers/testing/asmt_text.h"
 #include "ferrers/testing/build_checks.h"
+#include "ferrers/testing/third_party.h"
 
 namespace ferrers {
 namespace {
@@ -250,13 +250,10 @@ TEST(AsmtTest, AChainOfFiveHundredWeldsIsReadInMuchLessThanASecond) {
 }
 
 TEST(AsmtTest, FilesOfOthersAreRead) {
-  const char* const folder = std::getenv("FERRERS_THIRD_PARTY_MODELS");
-  const std::filesystem::path models = std::filesystem::path(folder == nullptr ? "" : folder) / "ondsel";
-  if (folder == nullptr || !std::filesystem::exists(models)) {
-    GTEST_SKIP() << "FERRERS_THIRD_PARTY_MODELS does not name a folder with 'ondsel', test assemblies of OndselSolver";
-  }
+  const auto models = witness::third_party("ondsel");
+  if (!models) GTEST_SKIP() << witness::kNoThirdPartyModels;
   int count = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(models)) {
+  for (const auto& entry : std::filesystem::directory_iterator(*models)) {
     if (entry.path().extension() != ".asmt") continue;
     const ModelFile file = read_any_model_file(entry.path());
     EXPECT_EQ(file.format, ModelFormat::kAsmt);

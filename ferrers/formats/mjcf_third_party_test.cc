@@ -1,8 +1,8 @@
-#include <cstdlib>
 #include <filesystem>
 
 #include "ferrers/formats/mjcf_test_model.h"
 #include "ferrers/redundancy/analysis.h"
+#include "ferrers/testing/third_party.h"
 
 // Robots of others, where they are: FERRERS_THIRD_PARTY_MODELS names a folder that holds mujoco_menagerie, or parts of
 // it.
@@ -10,15 +10,6 @@ namespace ferrers {
 namespace {
 
 using mjcf_testing::messages;
-
-std::optional<std::filesystem::path> menagerie(const std::string& file) {
-  const char* folder = std::getenv("FERRERS_THIRD_PARTY_MODELS");
-  if (folder == nullptr) return std::nullopt;
-  const std::filesystem::path path = std::filesystem::path(folder) / "mujoco_menagerie" / file;
-  std::error_code ignored;
-  if (!std::filesystem::exists(path, ignored)) return std::nullopt;
-  return path;
-}
 
 struct Counts {
   int rows, rank, mobility, redundant;
@@ -36,8 +27,8 @@ Counts counts_of(const std::filesystem::path& path, ImportBase base) {
 }
 
 TEST(MjcfThirdPartyTest, CassieHasTwoRedundantRowsOfTwelve) {
-  const auto path = menagerie("agility_cassie/cassie.xml");
-  if (!path) GTEST_SKIP() << "mujoco_menagerie/agility_cassie/cassie.xml is not below FERRERS_THIRD_PARTY_MODELS";
+  const auto path = witness::third_party("mujoco_menagerie/agility_cassie/cassie.xml");
+  if (!path) GTEST_SKIP() << witness::kNoThirdPartyModels;
   for (const auto& [base, mobility] : {std::pair(ImportBase::kFixed, 16), std::pair(ImportBase::kAsInFile, 22)}) {
     const Counts counts = counts_of(*path, base);
     EXPECT_EQ(counts.rows, 12);
@@ -48,8 +39,8 @@ TEST(MjcfThirdPartyTest, CassieHasTwoRedundantRowsOfTwelve) {
 }
 
 TEST(MjcfThirdPartyTest, TheGripperOfXarm7HasTwoRedundantRowsOfSeven) {
-  const auto path = menagerie("ufactory_xarm7/hand.xml");
-  if (!path) GTEST_SKIP() << "mujoco_menagerie/ufactory_xarm7/hand.xml is not below FERRERS_THIRD_PARTY_MODELS";
+  const auto path = witness::third_party("mujoco_menagerie/ufactory_xarm7/hand.xml");
+  if (!path) GTEST_SKIP() << witness::kNoThirdPartyModels;
   const Counts counts = counts_of(*path, ImportBase::kAsInFile);
   EXPECT_EQ(counts.rows, 7);
   EXPECT_EQ(counts.rank, 5);

@@ -3,13 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <map>
 
 #include "ferrers/formats/formats.h"
 #include "ferrers/kinematics/system.h"
 #include "ferrers/redundancy/mechanism_analysis.h"
+#include "ferrers/testing/third_party.h"
 
 namespace ferrers {
 namespace {
@@ -427,8 +427,6 @@ struct Published {
 /// Files of others, with figures of an independent program; not part of the project. Which joint of a loop is cut, and
 /// so how many rows close it, is each program's choice.
 TEST(UrdfTest, FilesOfOthersHaveThePublishedFigures) {
-  const char* folder = std::getenv("FERRERS_THIRD_PARTY_MODELS");
-  if (folder == nullptr) GTEST_SKIP() << "FERRERS_THIRD_PARTY_MODELS names no folder of models";
   const std::vector<Published> all = {
       {"example-parallel-robots/5bar_linkage/robot.urdf", 3, 3},
       {"example-parallel-robots/5bar_linkage_iso3d/robot.urdf", 2, 0},
@@ -438,9 +436,9 @@ TEST(UrdfTest, FilesOfOthersHaveThePublishedFigures) {
       {"generalized_rbda/planar_leg_linkage.urdf", 3, 4},  // as drawn
   };
   for (const Published& one : all) {
-    const std::filesystem::path path = std::filesystem::path(folder) / one.file;
-    if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there";
-    const ModelFile file = read_any_model_file(path);
+    const auto path = witness::third_party(one.file);
+    if (!path) GTEST_SKIP() << witness::kNoThirdPartyModels;
+    const ModelFile file = read_any_model_file(*path);
     ASSERT_TRUE(file.read.model) << one.file << "\n" << all_messages(file);
     const MechanismAnalysis a = analysis(file);
     ASSERT_TRUE(a.is_assembled()) << one.file;
@@ -451,8 +449,6 @@ TEST(UrdfTest, FilesOfOthersHaveThePublishedFigures) {
 
 /// Away from the line the two linkages of URDF+ have rank 2 of 5 rows.
 TEST(UrdfTest, LinkagesOfOthersHaveThePublishedFiguresAwayFromTheirSingularStart) {
-  const char* folder = std::getenv("FERRERS_THIRD_PARTY_MODELS");
-  if (folder == nullptr) GTEST_SKIP() << "FERRERS_THIRD_PARTY_MODELS names no folder of models";
   struct Started {
     std::string file;
     std::vector<std::pair<std::string, double>> guesses;
@@ -465,9 +461,9 @@ TEST(UrdfTest, LinkagesOfOthersHaveThePublishedFiguresAwayFromTheirSingularStart
        2},
   };
   for (const Started& one : all) {
-    const std::filesystem::path path = std::filesystem::path(folder) / one.file;
-    if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there";
-    ModelSpec spec = read_any_model_file(path).read.spec;
+    const auto path = witness::third_party(one.file);
+    if (!path) GTEST_SKIP() << witness::kNoThirdPartyModels;
+    ModelSpec spec = read_any_model_file(*path).read.spec;
     for (const auto& [joint, position] : one.guesses) {
       InitialSpec initial;
       initial.joint = joint;

@@ -72,7 +72,6 @@ class UrdfWriter {
       if (!in_tree_[i]) close_loop(model_.joints()[i]);
     }
     tell_another_start();
-    tell_another_start();
     add_damping();
     add_mimics();
     tell_what_is_left_out();
