@@ -10,6 +10,7 @@
 
 #include "ferrers/dynamics/inverse.h"
 #include "ferrers/kinematics/coordinates.h"
+#include "ferrers/model/pose_spec.h"
 #include "ferrers/testing/compare.h"
 #include "ferrers/testing/engine_probe.h"
 #include "ferrers/testing/random_mechanism.h"
@@ -235,6 +236,33 @@ TEST(RandomMechanismsTest, BodiesInPartsThatWeldsMergeAreTheBodiesAgain) {
     const std::vector<JointReaction> reactions = engine.reactions(state, result);
     expect_same_reactions(here.model, other.reactions(other_state, other_result), reactions, reactions);
   });
+}
+
+TEST(RigidGroupsTest, ALoadInTheAxesOfATurnedPartActsAsOnAPartThatIsKept) {
+  ModelSpec spec;
+  spec.bodies = {box_body("arm", {1, 0, 0}, {2, 0.1, 0.2}, 2), box_body("nozzle", {0, 0, 0.2}, {0.1, 0.2, 0.4}, 1)};
+  const Matrix3d R = Eigen::AngleAxisd(0.8, Vector3d(1, 2, 2) / 3).toRotationMatrix();
+  spec.bodies[1].pose = pose_spec({R, Vector3d(2, 0, 0)});
+  JointSpec bolt = joint(JointType::kWeld, "bolt", "arm", "nozzle", {2, 0, 0});
+  bolt.axis = {};
+  bolt.merge = true;
+  JointSpec ball = joint(JointType::kSpherical, "ball", "ground", "arm", {0, 0, 0});
+  ball.axis = {};
+  spec.joints = {ball, bolt};
+  LoadSpec thrust;
+  thrust.body = "nozzle";
+  thrust.place = number3(0, 0, 0.4);
+  thrust.components = {law("3"), law("-2"), law("10")};
+  thrust.in_body_axes = true;
+  spec.forces = {{"thrust", thrust, {}}};
+  ModelSpec kept_spec = spec;
+  keep_welds(kept_spec);
+  EngineProbe merged(spec), kept(kept_spec);
+  ASSERT_EQ(merged.model().bodies().size(), 2u);
+  const VectorXd a = merged.forward(make_drawn_state(*merged.system)).vdot,
+                 b = kept.forward(make_drawn_state(*kept.system)).vdot;
+  ASSERT_EQ(a.size(), 3);
+  EXPECT_TRUE(matrices_near(a, b, 1e-12, "vdot"));
 }
 
 /// Joints whose frames turn with the mechanism (the others keep world axes as drawn).

@@ -161,7 +161,7 @@ bodies:
   a: {mass: 1 kg, com: [0.5, 0, 0], inertia: {moments: [1, 1, 1]}}
   b: {mass: 1 kg, com: [1, 0.5, 0], inertia: {moments: [1, 1, 1]}}
   c: {mass: 1 kg, com: [1.5, 1, 0], inertia: {moments: [1, 1, 1]}}
-  ball: {mass: 1 kg, com: [1, 2, 0], inertia: {moments: [1, 1, 1]}}
+  ball: {mass: 1 kg, com: [0, 1, 0], inertia: {moments: [1, 1, 1]}, pose: {position: [1, 1, 0], rotation: {axis: y, angle: 0.5}}}
   bird: {mass: 1 kg, com: [1, 2, 3], inertia: {moments: [1, 1, 1]}}
   nut: {mass: 1 kg, com: [0, 2, 3], inertia: {moments: [1, 1, 1]}}
 joints:
